@@ -27,7 +27,7 @@ def classifier_patches(result: Any) -> Picture | None:
         field = _mosaic(patches, min(across, len(patches)))
         wide = float(np.clip(2.6 * (field.shape[1] / field.shape[0]) ** 0.5, 1.2, 3.4))
         tall = min(3.6, wide * field.shape[0] / field.shape[1]) + 0.3
-        return Cell(lambda ax: draw_shading(ax, field, limit).set_title(name), wide, tall)
+        return Cell(lambda ax: draw_shading(ax, field, limit), wide, tall, title=name)
 
     cells = [cell("measured", told.measured), cell("simulated", told.simulated)]
     height = max(c.height for c in cells)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -56,22 +57,16 @@ def planes(drawn: Sequence[Layer]) -> Picture | None:
     """Measured and model at the coldest and the warmest setting, with one colour bar."""
     measured = drawn[0].statistics
 
-    def cell(layer: Layer, setting: Any, part: str, title: str) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_plane(ax, layer.like(setting), part).set_title(f"{PARTS[part]}, {title}")
-
-        return Cell(draw, 2.2, 2.15)
-
     cells: list[Cell] = []
     shown: list[Any] = []
     for part in PARTS:
         found = chosen(measured, 2, lambda s, p=part: _plane(s, p) is not None)  # type: ignore[misc]
         shown = found or shown
         for setting, title in zip(found, labels(found), strict=True):
-            cells += [
-                cell(k, setting, part, f"{title}\n{k.label}" if len(drawn) > 1 else title)
-                for k in shown_layers(drawn)
-            ]
+            for layer in shown_layers(drawn):
+                name = f"\n{layer.label}" if len(drawn) > 1 else ""
+                draw = partial(draw_plane, setting=layer.like(setting), part=part)
+                cells.append(Cell(draw, 2.2, 2.15, title=f"{PARTS[part]}, {title}{name}"))
     if not cells:
         return None
     return panels(

@@ -18,6 +18,7 @@ from dnanalyze.report.figures.style import (
     panels,
     plane_note,
     shown_layers,
+    unframed,
 )
 
 COLOURS = "RdBu_r"
@@ -26,13 +27,8 @@ BAR = "block mean − mean [DN]"
 
 def draw_shading(ax: Any, field: np.ndarray, limit: float) -> Any:
     """One map of block means; colours run from minus to plus ``limit`` DN."""
-    ax.grid(visible=False)
     ax.imshow(field, cmap=COLOURS, vmin=-limit, vmax=limit, aspect="equal")
-    ax.set_xticks([])
-    ax.set_yticks([])
-    for spine in ax.spines.values():
-        spine.set_visible(False)
-    return ax
+    return unframed(ax)
 
 
 def fields(drawn: Sequence[Layer], setting: Any) -> tuple[dict[str, np.ndarray], float]:
@@ -63,11 +59,7 @@ def _row(drawn: Sequence[Layer], setting: Any, title: str, note: str) -> Picture
     def cell(name: str, field: np.ndarray) -> Cell:
         wide = min(2.6, max(1.2, 2.0 * (field.shape[1] / field.shape[0]) ** 0.5))
         tall = wide * field.shape[0] / field.shape[1] + 0.3
-
-        def draw(ax: Any) -> None:
-            draw_shading(ax, field, limit).set_title(name)
-
-        return Cell(draw, wide, tall)
+        return Cell(lambda ax: draw_shading(ax, field, limit), wide, tall, title=name)
 
     cells = [cell(name, field) for name, field in found.items()]
     return panels(

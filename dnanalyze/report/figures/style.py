@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ __all__ = [
     "ACCENT", "GAUSSIAN", "HAIRLINE", "INK", "MODEL", "PAPER", "QUIET", "Cell", "Layer", "Picture",
     "axis_of", "chosen", "curve", "frequency_axis", "has", "labels", "layers", "log_axis",
     "main_run", "one_plane", "panels", "plane_note", "power_label", "quantity", "runs",
-    "styled", "thinned",
+    "styled", "thinned", "unframed",
 ]  # fmt: skip
 
 
@@ -182,7 +183,7 @@ def by_setting(
     drawn : sequence of Layer
         The measured first.
     draw : callable
-        Called with axes, layers and setting; returns the axes.
+        Called with axes, ``drawn`` and ``setting``.
     can : callable
         Whether a setting has what is drawn.
     texts : (str, str)
@@ -193,10 +194,10 @@ def by_setting(
     measured = drawn[0].statistics
     settings = chosen(measured, 3, can)
 
-    def cell(setting: SettingStatistics, title: str) -> Cell:
-        return Cell(lambda ax: draw(ax, drawn, setting).set_title(title), **size)
-
-    cells = [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)]
+    cells = [
+        Cell(partial(draw, drawn=drawn, setting=s), title=t, **size)
+        for s, t in zip(settings, labels(settings), strict=True)
+    ]
     return panels(cells, texts[0] + plane_note(measured, settings), texts[1])
 
 
@@ -237,6 +238,14 @@ def thinned(x: np.ndarray, y: np.ndarray, most: int = 400) -> tuple[np.ndarray, 
     edges = np.unique(np.linspace(0, len(x), most + 1).astype(int))
     counts = np.diff(edges)
     return np.add.reduceat(x, edges[:-1]) / counts, np.add.reduceat(y, edges[:-1]) / counts
+
+
+def unframed(ax: Any) -> Any:
+    """An image without grid, ticks and frame."""
+    ax.grid(visible=False)
+    ax.set(xticks=[], yticks=[])
+    ax.spines[:].set_visible(False)
+    return ax
 
 
 def shown_layers(drawn: Iterable[Layer]) -> list[Layer]:

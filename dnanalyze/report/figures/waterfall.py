@@ -91,11 +91,8 @@ def waterfalls(parts: Mapping[str, Sequence[Any]]) -> Picture | None:
     """A waterfall for each part of a refinement, such as an HDR channel, under its name."""
 
     def cell(name: str, steps: Sequence[Any]) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_waterfall(ax, steps)
-            ax.set_title(name)
-
-        return Cell(draw, max(3.6, 0.95 * (len(stages(steps)) + 1) + 0.6), 3.0)
+        wide = max(3.6, 0.95 * (len(stages(steps)) + 1) + 0.6)
+        return Cell(lambda ax: draw_waterfall(ax, steps), wide, 3.0, title=name)
 
     shown = {name: stages(steps) for name, steps in parts.items()}
     text = "; ".join(
