@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
@@ -15,6 +15,9 @@ from dnanalyze.report.figures.palette import TONES, turning
 from dnanalyze.report.figures.pictures import Key, Panel, Picture
 from dnanalyze.report.figures.svg import named_apart
 from dnanalyze.report.subscripts import subscripts
+
+if TYPE_CHECKING:
+    from dnanalyze.loaders.captures import CaptureSet
 
 
 @dataclass(frozen=True)
@@ -142,7 +145,7 @@ class Page:
 
 
 def page_of(
-    captures: Any, kind: str, verdict: str, sections: Sequence[Section], **more: Any
+    captures: CaptureSet, kind: str, verdict: str, sections: Sequence[Section], **more: Any
 ) -> Page:
     """A page on these captures: their name, facts and notes are theirs."""
     if more.get("front"):

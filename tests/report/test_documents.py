@@ -89,7 +89,7 @@ def test_the_keys_are_those_of_the_contract():
     )
     assert refine["parameters"][1] == {
         "effect": "pedestal", "name": "pedestal", "value": 64.0, "se": None,
-        "low": None, "high": None, "unit": "DN",
+        "low": None, "high": None, "unit": "DN", "determined": True, "upper": None,
     }  # fmt: skip
     assert refine["model"] is None  # without a file
     detect = MADE["detect"]()

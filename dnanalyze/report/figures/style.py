@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.loaders.captures import Setting
 from dnanalyze.report.figures.palette import (
     ACCENT,
     GAUSSIAN,
@@ -154,7 +155,7 @@ def has(*names: str) -> Can:
     return lambda setting: curve(setting, *names) is not None
 
 
-def labels(settings: Sequence[SettingStatistics]) -> list[str]:
+def labels(settings: Sequence[SettingStatistics | Setting]) -> list[str]:
     """Short titles of settings: only what differs between them."""
     only = varied(vars(s.point) for s in settings)
     return [point_label(s.point, only) for s in settings]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
+from dnanalyze.benchmarking.figure import Figure
+from dnanalyze.benchmarking.record import SensorRecord
+from dnanalyze.benchmarking.run import BenchmarkResult
 from dnanalyze.report.documents import Document
 from dnanalyze.report.figures import benchmark as figures
 from dnanalyze.report.page import Page, Section, Table
@@ -32,7 +34,7 @@ SHOWN = {
 HEADLINE = ("dark_current", "read_noise", "dsnu", "hot_pixels")
 
 
-def headline(result: Any) -> str:
+def headline(result: BenchmarkResult) -> str:
     """Who leads where, of those that are ranked, and where none does; no overall score."""
     leads: dict[str, list[str]] = {}
     alike: list[str] = []
@@ -56,7 +58,7 @@ def headline(result: Any) -> str:
     return f"Of {len(result.sensors)} sensors{at}, {'; '.join(parts)}."
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: BenchmarkResult) -> list[Section]:
     """The figures at one common temperature, the effects of each, the caveats."""
     names = [s.name for s in result.sensors]
     wide = len(names) < 4  # room for names and errors
@@ -97,14 +99,14 @@ def sections(result: Any) -> list[Section]:
     ]
 
 
-def _cell(figure: Any, wide: bool) -> str:
+def _cell(figure: Figure, wide: bool) -> str:
     """With its error where there is room."""
     if not figure.known:
         return "–"
     return with_error(figure.value, figure.se) if wide else number(figure.value)
 
 
-def page(result: Any) -> Page:
+def page(result: BenchmarkResult) -> Page:
     """The report."""
     return Page(
         "Benchmark of sensors",
@@ -124,7 +126,7 @@ def page(result: Any) -> Page:
     )
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: BenchmarkResult) -> pd.DataFrame:
     """One row a criterion, temperature and sensor."""
     rows = [
         {
@@ -144,7 +146,7 @@ def table(result: Any) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def document(result: Any) -> Document:
+def document(result: BenchmarkResult) -> Document:
     """The JSON document."""
     folders = [s.folder for s in result.sensors]
     return made(
@@ -177,7 +179,7 @@ def document(result: Any) -> Document:
     )
 
 
-def _sensor(sensor: Any) -> Document:
+def _sensor(sensor: SensorRecord) -> Document:
     return {
         "name": sensor.name,
         "folder": sensor.folder,
@@ -209,7 +211,7 @@ def _sensor(sensor: Any) -> Document:
     }
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: BenchmarkResult) -> Mapping[str, Draw]:
     """Figures over temperature, spectra, errors."""
     return {
         "temperature": lambda: figures.over_temperature(result),

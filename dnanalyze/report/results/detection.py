@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from dnanalyze.detection.results import Detection, Finding
+from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.report.documents import Document
 from dnanalyze.report.figures import filter_tests
 from dnanalyze.report.figures.against_neighbours import scatter
@@ -47,7 +48,7 @@ ESTIMATE = {
 }
 
 
-def headline(result: Any) -> str:
+def headline(result: Detection) -> str:
     """The verdict in one or two sentences."""
     if not result.filtered and result.confidence == 0:
         return (
@@ -67,7 +68,7 @@ def headline(result: Any) -> str:
     return sentence(text)
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: Detection) -> list[Section]:
     """The evidence, what is not determined, and the tests."""
     flagged = [f for f in result.findings if f.flagged]
     others = [f for f in result.findings if not f.flagged]
@@ -91,7 +92,7 @@ def sections(result: Any) -> list[Section]:
     ]
 
 
-def _tests(findings: Sequence[Any], folded: bool = False) -> Table:
+def _tests(findings: Sequence[Finding], folded: bool = False) -> Table:
     rows = [
         (
             TITLES.get(f.test, f.test.replace("_", " ")),
@@ -110,7 +111,7 @@ def _tests(findings: Sequence[Any], folded: bool = False) -> Table:
     return Table(columns, rows, words=4, title=title, folded=folded)
 
 
-def _ranked(result: Any) -> Section:
+def _ranked(result: Detection) -> Section:
     """The tests in the terminal, flagged ones first; below them why others do not count."""
     from dnanalyze.detection.reasons import NOT_SIGNIFICANT
 
@@ -137,7 +138,7 @@ def _ranked(result: Any) -> Section:
     return Section("ranked", "Tests", tables=[table], paged=False)
 
 
-def page(result: Any) -> Page:
+def page(result: Detection) -> Page:
     """The report."""
     picture = scatter(_frames(result.captures))
     return page_of(
@@ -160,7 +161,7 @@ def page(result: Any) -> Page:
     )
 
 
-def _estimate(result: Any) -> list[Table]:
+def _estimate(result: Detection) -> list[Table]:
     """The filter's parameters, and the hot pixels that there were before it."""
     found = {} if result.estimate is None else vars(result.estimate)
     rows = [(*ESTIMATE.get(k, (k, "")), v) for k, v in found.items() if v is not None]
@@ -181,7 +182,7 @@ def _estimate(result: Any) -> list[Table]:
     ]
 
 
-def _frames(captures: Any) -> list[tuple[str, np.ndarray]]:
+def _frames(captures: CaptureSet) -> list[tuple[str, np.ndarray]]:
     """The first frame of the coldest and of the warmest setting, one colour plane of it."""
     ends = list(dict.fromkeys((captures.settings[0], captures.settings[-1])))
     step = 2 if captures.sensor.cfa else 1
@@ -191,18 +192,18 @@ def _frames(captures: Any) -> list[tuple[str, np.ndarray]]:
     ]
 
 
-def document(result: Any) -> Document:
+def document(result: Detection) -> Document:
     """The verdict and every test behind it."""
     return made("detect", result.captures.name, **result.to_plain())
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: Detection) -> pd.DataFrame:
     """The tests."""
     keys = ("test", "kind", "temperature_c", "p_value", "effect_size", "flagged", "reason")
     return pd.DataFrame([{k: getattr(f, k) for k in keys} for f in result.findings])
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: Detection) -> Mapping[str, Draw]:
     """The figures of the tests, that of what was found first."""
     kinds: dict[str, Draw] = {
         "denoise": lambda: filter_tests.smoothing(result.answers),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dnanalyze.report import capture
 from dnanalyze.report.documents import Document
@@ -11,10 +11,14 @@ from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.words import number, point_label, sentence
 
+if TYPE_CHECKING:
+    from dnanalyze.loaders.captures import CaptureSet
+
+
 MISSING = "Missing for a full analysis"
 
 
-def sections(captures: Any, seen: Mapping[str, Any]) -> list[Section]:
+def sections(captures: CaptureSet, seen: Mapping[str, Any]) -> list[Section]:
     """Facts, operating points, sources of the metadata, and what is missing.
 
     Parameters
@@ -54,7 +58,7 @@ def _span(span: Sequence[float] | None) -> str:
     return f"{number(span[1] - span[0], 2)} °C" if span and span[1] > span[0] else "–"
 
 
-def page(captures: Any, seen: Mapping[str, Any]) -> Page:
+def page(captures: CaptureSet, seen: Mapping[str, Any]) -> Page:
     """The report."""
     return page_of(
         captures,

@@ -8,7 +8,9 @@ from typing import Any
 import pandas as pd
 
 from dnanalyze.analyzers.families.trends import channel_trends, law_doubts
+from dnanalyze.analyzers.statistics import Statistics, Value
 from dnanalyze.emva import kinds
+from dnanalyze.emva.quantity import Emva, Group
 from dnanalyze.loaders.inspection import missing
 from dnanalyze.report import emva
 from dnanalyze.report.documents import Document, emva_group, point
@@ -34,7 +36,7 @@ NOTE = (
 )
 
 
-def headline(measured: Any) -> str:
+def headline(measured: Statistics) -> str:
     """Temporal dark noise, DSNU, dark current and doubling interval, each with its range."""
     quantities = measured.emva
     points = emva.every_point(quantities)
@@ -66,7 +68,7 @@ def _range(values: list[float]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def sections(measured: Any) -> list[Section]:
+def sections(measured: Statistics) -> list[Section]:
     """The EMVA 1288 quantities, the laws over temperature, what is not determined."""
     tables = list(_printed_tables(measured.emva))
     return [
@@ -77,7 +79,7 @@ def sections(measured: Any) -> list[Section]:
     ]
 
 
-def _printed_tables(quantities: Any) -> list[Table]:
+def _printed_tables(quantities: Emva) -> list[Table]:
     """Tables that fit 80 columns: the sensor first, then every operating point."""
     shown = []
     groups = quantities.groups[:OPEN_GROUPS]
@@ -96,13 +98,13 @@ def _printed_tables(quantities: Any) -> list[Table]:
     return shown
 
 
-def _ends(group: Any) -> tuple[Any, Sequence[str]]:
+def _ends(group: Group) -> tuple[Any, Sequence[str]]:
     """The operating points of lowest and highest signal, and their names."""
     points = emva.ends(group)
     return points, emva.labels(points) if len(points) > 1 else ["value"]
 
 
-def emva_section(quantities: Any) -> Section:
+def emva_section(quantities: Emva) -> Section:
     """The quantities: of the sensor, at the ends, and folded at every operating point."""
     tables = []
     several = len(quantities.groups) > 1
@@ -126,7 +128,7 @@ def emva_section(quantities: Any) -> Section:
     return Section("emva", "EMVA 1288 dark quantities", [NOTE], pictures=pictures, tables=tables)
 
 
-def trend_section(measured: Any) -> Section:
+def trend_section(measured: Statistics) -> Section:
     """What holds over temperature, by channel where there are several."""
     found = channel_trends(measured) or {"value": measured.trends}
     names = dict.fromkeys(n for own in found.values() for n in own if n not in emva.LAWS)
@@ -142,11 +144,11 @@ def trend_section(measured: Any) -> Section:
     return Section("trends", "Laws over temperature", tables=[table])
 
 
-def _value(value: Any) -> str:
+def _value(value: Value | None) -> str:
     return with_error(value.value, value.se) if value else "–"
 
 
-def missing_section(measured: Any, quantities: Any = None) -> Section:
+def missing_section(measured: Statistics, quantities: Emva | None = None) -> Section:
     """What is not determined, with the reasons; EMVA 1288 quantities first where they are given."""
     first = emva.undetermined(quantities) if quantities is not None else []
     return Section(
@@ -157,7 +159,7 @@ def missing_section(measured: Any, quantities: Any = None) -> Section:
     )
 
 
-def lead(measured: Any, found: list[Structure]) -> str:
+def lead(measured: Statistics, found: list[Structure]) -> str:
     """What stands out of the noise, or that nothing does."""
     hot = hot_share(measured)
     if found:
@@ -172,10 +174,11 @@ def lead(measured: Any, found: list[Structure]) -> str:
     return sentence(text)
 
 
-def page(measured: Any) -> Page:
+def page(measured: Statistics) -> Page:
     """The report."""
     found, place, drawn = structures(measured), plainest(measured), layers(measured)
     captures = measured.captures
+    assert captures is not None
     return page_of(
         captures,
         "Dark-frame statistics",
@@ -201,7 +204,7 @@ def page(measured: Any) -> Page:
     )
 
 
-def document(measured: Any) -> Document:
+def document(measured: Statistics) -> Document:
     """Every statistic with its standard error; the EMVA 1288 quantities under "emva"."""
     settings = [
         point(setting.point)
@@ -230,18 +233,18 @@ def document(measured: Any) -> Document:
     )
 
 
-def _values(named: Mapping[str, Any]) -> Document:
+def _values(named: Mapping[str, Value]) -> Document:
     return {k: estimate(v.value, v.se) for k, v in named.items()}
 
 
-def _scaled(name: str, value: Any, repeated: bool = False) -> Document:
+def _scaled(name: str, value: Value, repeated: bool = False) -> Document:
     """A statistic with its errors, unit and scale."""
     kind = info(name)
     about = {"unit": kind.unit, "scale": kind.scale.value}
     return measured_value(kind.scale, value, repeated) | about
 
 
-def table(measured: Any) -> pd.DataFrame:
+def table(measured: Statistics) -> pd.DataFrame:
     """One row a statistic, operating point and colour plane; with the repeatability if known."""
     values = [v for s in measured.settings for v in s.values.values()]
     known = any(v.repeatability is not None for v in values)
@@ -255,7 +258,7 @@ def table(measured: Any) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def plots(measured: Any) -> Mapping[str, Draw]:
+def plots(measured: Statistics) -> Mapping[str, Draw]:
     """Maps of the sensor, dark signal over exposure, then each family of statistics."""
     own: dict[str, Draw] = {
         "sensor": lambda: sensor_maps(measured),
