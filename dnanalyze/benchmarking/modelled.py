@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from dnanalyze.analyzers.streaming import cache
 from dnanalyze.benchmarking.figure import ABSENT, Figure
@@ -67,6 +68,9 @@ class Modelled:
     notes: list[str] = field(default_factory=list)
 
 
+KEPT = TypeAdapter(Modelled)  # reads what was kept on disk
+
+
 def modelled(
     captures: CaptureSet, quick: bool, on_progress: Callable[[str], None], processes: bool = True
 ) -> Modelled:
@@ -83,12 +87,12 @@ def modelled(
         Whether other processes may be started.
     """
     entry = cache.held(captures, "benchmark", quick, cache.code(PACKAGE))
-    known = None if entry is None else entry.read(lambda plain, _: _read(plain))
+    known = None if entry is None else entry.read(lambda plain, _: KEPT.validate_python(plain))
     if known is not None:
         return known
     made = _modelled(captures, quick, on_progress, processes)
     if entry is not None:
-        entry.write(_plain(made), {})
+        entry.write(asdict(made), {})
     return made
 
 
@@ -150,7 +154,7 @@ def strengths(model: Any) -> list[Strength]:
     for effect in model.effects:
         variance = effect.variance(model.reference)
         numbers = {
-            key: (effect.value(key, model.reference), info.unit)
+            key: (np.asarray(effect.value(key, model.reference)).item(), info.unit)
             for key, info in effect.parameters().items()
             if info.scale != "choice"
         }
@@ -184,25 +188,3 @@ def _filtered(
         notes.append(f"it could not be tested for hidden filters: {error}")
         return None, ""
     return detection.filtered, detection.kind
-
-
-def _plain(found: Modelled) -> dict[str, Any]:
-    """As JSON holds it."""
-    plain = asdict(found)
-    for effect in plain["effects"]:
-        effect["parameters"] = {
-            key: (_number(value), unit) for key, (value, unit) in effect["parameters"].items()
-        }
-    return plain
-
-
-def _number(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
-
-
-def _read(plain: Mapping[str, Any]) -> Modelled:
-    effects = [
-        Strength(e["effect"], e["rms_dn"], {k: tuple(v) for k, v in e["parameters"].items()})
-        for e in plain["effects"]
-    ]
-    return Modelled(**{**plain, "gain": Figure(**plain["gain"]), "effects": effects})

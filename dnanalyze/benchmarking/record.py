@@ -14,11 +14,11 @@ from dnanalyze.benchmarking.criteria import CRITERIA, SINGLE, Criterion
 from dnanalyze.benchmarking.figure import ABSENT, Figure
 from dnanalyze.benchmarking.laws import Reading
 from dnanalyze.benchmarking.modelled import Strength, modelled
+from dnanalyze.emva.quantity import Group
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 from dnanalyze.progress import ignored
 
 ELECTRON = 1.602176634e-19  # C
-LEAST_SLOPE = 5.0  # standard errors from which the slope of variance over mean counts as the gain
 
 
 @dataclass(frozen=True)
@@ -181,10 +181,7 @@ def _series(settings: list[SettingStatistics], name: str) -> list[Reading]:
 
 def single_of(statistics: Statistics) -> dict[str, Figure]:
     """The criteria of which a sensor has one."""
-    made = {}
-    for criterion in SINGLE:
-        made[criterion.name] = _single(statistics, criterion)
-    return made
+    return {criterion.name: _single(statistics, criterion) for criterion in SINGLE}
 
 
 def _single(statistics: Statistics, criterion: Criterion) -> Figure:
@@ -211,31 +208,16 @@ _TRENDS = {"pedestal", "activation_energy_ev", "doubling_step_c"}
 
 
 def gain_of(statistics: Statistics) -> Figure:
-    """Conversion gain, DN/e-, from the slope of temporal variance over mean (photon transfer).
+    """Conversion gain, DN/e-, as `analyze` states it: recorded, or by photon transfer in the dark.
 
-    Only where the dark series tells it clearly: the slope stands 5 standard errors above 0.
-    Janesick, Photon Transfer (SPIE, 2007).
+    Of the colour plane, gain and channel with the most operating points that determine it.
     """
-    points: dict[OperatingPoint, list[SettingStatistics]] = {}
-    for s in statistics.settings:
-        if "temporal_noise_core" in s.values:
-            points.setdefault(s.point, []).append(s)
-    rows = []
-    for here in points.values():
-        noise, level = _value(here, ("temporal_noise_core",)), _value(here, ("median",))
-        variance = noise.value**2
-        rows.append((level.value, variance, max(2 * noise.value * noise.se, 0.01 * variance)))
-    if len(rows) < 3:
-        return Figure(math.nan, math.nan, "fewer than three operating points with several frames")
-    x, y, sigma = np.array(rows).T
-    a = np.stack([np.ones_like(x), x - x.mean()], axis=1) / sigma[:, None]
-    covariance = np.linalg.pinv(a.T @ a)
-    solution = covariance @ (a.T @ (y / sigma))
-    pulls = y / sigma - a @ solution
-    scale = max(1.0, math.sqrt(float(pulls @ pulls) / (x.size - 2)))
-    slope, se = float(solution[1]), math.sqrt(float(covariance[1, 1])) * scale
-    if slope < LEAST_SLOPE * se:
-        return Figure(
-            math.nan, math.nan, "the slope of temporal variance over mean is not significant"
-        )
-    return Figure(slope, se, "photon transfer in the dark")
+    gains = [next(iter(g.quantities)) for g in sorted(statistics.emva.groups, key=_size)]
+    for gain in gains:
+        if gain.value is not None and gain.se is not None:
+            return Figure(gain.value, gain.se, gain.note)
+    return Figure(math.nan, math.nan, gains[0].reason) if gains else ABSENT
+
+
+def _size(group: Group) -> int:
+    return -len(group.points)

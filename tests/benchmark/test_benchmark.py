@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -396,4 +396,4 @@ def test_a_sensor_is_read_back_as_it_was_kept():
         {"gaussian": 9.0}, Figure(0.5, 0.01, "n"), strengths(model), "adequate", "45 °C", True,
         "dpc", ["a note"],
     )  # fmt: skip
-    assert kept._read(json.loads(json.dumps(kept._plain(found)))) == found
+    assert kept.KEPT.validate_python(json.loads(json.dumps(asdict(found)))) == found

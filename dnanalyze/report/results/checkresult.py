@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from xml.sax.saxutils import escape, quoteattr
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import pandas as pd
 
@@ -76,40 +76,37 @@ def headline(result: CheckResult) -> str:
 
 def junit(result: CheckResult) -> str:
     """JUnit XML: one test case a target, its suite the captures."""
-    checks = result.checks
-    skipped = len(result.known_misses)
-    counts = (
-        f'tests="{len(checks)}" failures="{len(result.failures)}" errors="0" skipped="{skipped}"'
-    )
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<testsuites name="dnanalyze check" {counts}>',
-        f"<testsuite name={_attribute(result.captures.name)} {counts}>",
-    ]
-    for check in checks:
-        group = _attribute(f"dnanalyze.{check.kind}.{check.family}")
-        case = f"<testcase classname={group} name={_attribute(check.name)}"
+    counts = {
+        "tests": str(len(result.checks)),
+        "failures": str(len(result.failures)),
+        "errors": "0",
+        "skipped": str(len(result.known_misses)),
+    }
+    root = Element("testsuites", {"name": "dnanalyze check", **counts})
+    suite = SubElement(root, "testsuite", {"name": _clean(result.captures.name), **counts})
+    for check in result.checks:
+        group = f"dnanalyze.{check.kind}.{check.family}"
+        case = SubElement(suite, "testcase", {"classname": group, "name": _clean(check.name)})
         if check.passed:
-            lines.append(f"{case}/>")
             continue
-        text = f"{value(check)} is {excess(check)}; limit {limit(check)}; see {look(check)}"
-        if math.isnan(check.value):
-            text = f"{excess(check)}; limit {limit(check)}; see {look(check)}"
+        text = _clean(f"{_off(check)}; limit {limit(check)}; see {look(check)}")
         if check.enforced:
-            inner = f"<failure message={_attribute(text)}>{escape(_clean(text))}</failure>"
+            SubElement(case, "failure", message=text).text = text
         else:
-            inner = f"<skipped message={_attribute(f'known violation, not enforced: {text}')}/>"
-        lines.append(f"{case}>{inner}</testcase>")
-    return "\n".join([*lines, "</testsuite>", "</testsuites>", ""])
+            SubElement(case, "skipped", message=f"known violation, not enforced: {text}")
+    indent(root, "")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{tostring(root, "unicode")}\n'
+
+
+def _off(check: Check) -> str:
+    """The value and by how much it is outside."""
+    has_value = not math.isnan(check.value)
+    return f"{value(check)} is {excess(check)}" if has_value else excess(check)
 
 
 def _clean(text: str) -> str:
     """Without the control characters that XML 1.0 forbids."""
     return "".join(c for c in text if c >= " " or c in "\t\n")
-
-
-def _attribute(text: str) -> str:
-    return quoteattr(_clean(text))
 
 
 def markdown(result: CheckResult, targets: str, model: str | None = None) -> str:
