@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from dnanalyze.errors import InputError
 from dnanalyze_cli import combined_frames
-from dnanalyze_cli.options import Combine, CombinedOut, Force, Light, ModelOptions, takes
+from dnanalyze_cli.options import Combine, CombinedOut, Force, Light, ModelOptions, option, takes
 
 if TYPE_CHECKING:
     from dnanalyze.report.page import Page
@@ -19,9 +17,9 @@ def compare(
     options: ModelOptions,
     classifier: Annotated[
         bool,
-        typer.Option(
+        option(
             "--classifier",
-            help="Also train a classifier: can it tell the simulated frames from the measured "
+            "Also train a classifier: can it tell the simulated frames from the measured "
             "ones? Area under the ROC curve, with its control.",
         ),
     ] = False,

@@ -4,26 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
-from dnanalyze_cli.options import ModelOptions, ModelOut, takes
+from dnanalyze_cli.options import ModelOptions, ModelOut, option, takes
 
 Frozen = Annotated[
     list[str] | None,
-    typer.Option(
-        "--frozen",
-        metavar="PARAMETER",
-        help="Do not fit this parameter: effect.parameter, or pedestal (repeatable).",
+    option(
+        "--frozen PARAMETER",
+        "Do not fit this parameter: effect.parameter, or pedestal (repeatable).",
     ),
 ]
 Replicates = Annotated[
     int | None,
-    typer.Option(
-        "--replicates",
-        metavar="N",
+    option(
+        "--replicates N",
+        "Simulated sensors for the standard errors; 0: no standard errors, no bias correction.",
         min=0,
-        help="Simulated sensors for the standard errors; 0: no standard errors, no bias "
-        "correction.",
         show_default="24",
     ),
 ]

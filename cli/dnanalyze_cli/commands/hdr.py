@@ -5,16 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from dnanalyze_cli import combined_frames
-from dnanalyze_cli.options import CombinedOut, Force, Light, ModelOptions, takes
+from dnanalyze_cli.options import CombinedOut, Force, Light, ModelOptions, option, takes
 
 
 @takes(ModelOptions)
 def hdr(
     options: ModelOptions,
-    combine: Annotated[Path, typer.Option("--combine", metavar="HDR.yaml")],
+    combine: Annotated[Path, option("--combine HDR.yaml")],
     light: Light = 0.0,
     simulated: CombinedOut = None,
     force: Force = False,

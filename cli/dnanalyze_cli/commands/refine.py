@@ -5,8 +5,6 @@ from __future__ import annotations
 import shlex
 from typing import Annotated
 
-import typer
-
 from dnanalyze.errors import InputError
 from dnanalyze_cli.options import (
     STEER,
@@ -16,6 +14,7 @@ from dnanalyze_cli.options import (
     ModelOut,
     NoDescribe,
     Scheduler,
+    option,
     takes,
 )
 from dnanalyze_cli.scheduler import executor_at
@@ -28,31 +27,17 @@ def refine(
     exclude: Exclude = None,
     max_effects: Annotated[
         int | None,
-        typer.Option(
-            "--max-effects",
-            metavar="N",
-            min=0,
-            rich_help_panel=STEER,
-            help="Add at most N effects to the baseline model.",
-        ),
+        option("--max-effects N", "Add at most N effects to the baseline model.", STEER, min=0),
     ] = None,
     baseline_only: Annotated[
         bool,
-        typer.Option(
-            "--baseline-only",
-            rich_help_panel=STEER,
-            help="Add the baseline effects alone; the same as --max-effects 0.",
+        option(
+            "--baseline-only", "Add the baseline effects alone; the same as --max-effects 0.", STEER
         ),
     ] = False,
     until_error: Annotated[
         float | None,
-        typer.Option(
-            "--until-error",
-            metavar="E",
-            min=0.0,
-            rich_help_panel=STEER,
-            help="Stop once the model error is E or less.",
-        ),
+        option("--until-error E", "Stop once the model error is E or less.", STEER, min=0.0),
     ] = None,
     budget: Budget = None,
     no_describe: NoDescribe = False,

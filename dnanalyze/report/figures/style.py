@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.digits import symbol
 from dnanalyze.loaders.captures import Setting
 from dnanalyze.report.figures.palette import (
     ACCENT,
@@ -202,20 +203,9 @@ def by_setting(
     return panels(cells, texts[0] + plane_note(measured, settings), texts[1])
 
 
-UNITS = {
-    "DN^2": "DN²",
-    "C": "°C",
-    "c/px": "cycles/pixel",
-    "DN/e-": "DN/e⁻",
-    "1": "",
-    "e-": "e⁻",
-    "e-/s": "e⁻/s",
-}
-
-
 def quantity(text: str, unit: str) -> str:
     """Label of an axis: what it holds and its unit."""
-    shown = UNITS.get(unit, unit)
+    shown = symbol(unit.replace("c/px", "cycles/pixel"))
     return f"{text} [{shown}]" if shown else text
 
 

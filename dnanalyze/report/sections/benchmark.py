@@ -7,10 +7,9 @@ from typing import Any
 
 from dnanalyze.report.capture import facts
 from dnanalyze.report.figures import benchmark as figures
-from dnanalyze.report.figures.style import UNITS
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.results.detection import KINDS
-from dnanalyze.report.words import celsius, listing, number, sentence, with_error
+from dnanalyze.report.words import celsius, listing, number, sentence, symbol, with_error
 
 
 def fairest(result: Any, name: str, at: float | None) -> Any:
@@ -57,10 +56,6 @@ MARKS = (
 )
 
 
-def _unit(unit: str) -> str:
-    return UNITS.get(unit, unit)
-
-
 def _cell(figure: Any) -> str:
     if not figure.known:
         return "–"
@@ -85,7 +80,7 @@ def _marks(result: Any) -> list[str]:
 def glance(result: Any) -> Section:
     """A row a sensor, a column a criterion."""
     shown = [r for r in summary(result) if r.base in GLANCE]
-    columns = [r.title + (f" [{_unit(r.unit)}]" if r.unit not in ("", "1") else "") for r in shown]
+    columns = [r.title + (f" [{symbol(r.unit)}]" if r.unit not in ("", "1") else "") for r in shown]
     rows = []
     for sensor, name in zip(result.sensors, _names(result), strict=True):
         cells = []
@@ -118,7 +113,7 @@ def temperatures(result: Any) -> Section:
     for r in result.rankings:
         if r.temperature_c is not None:
             cells = (_cell(r.of(s.name)) for s in result.sensors)
-            row = (r.title, _unit(r.unit), number(r.temperature_c), *cells)
+            row = (r.title, symbol(r.unit), number(r.temperature_c), *cells)
             (rest if _told_in_electrons(result, r) else shown).append(row)
     tables = [Table(head, shown, words=2, sortable=True)]
     if rest:
@@ -150,7 +145,7 @@ def _told_in_electrons(result: Any, ranking: Any) -> bool:
 def one_each(result: Any) -> Section:
     """What has no temperature: a row a figure, a column a sensor."""
     cells = [
-        (r.title, _unit(r.unit), *(_cell(r.of(s.name)) for s in result.sensors))
+        (r.title, symbol(r.unit), *(_cell(r.of(s.name)) for s in result.sensors))
         for r in result.rankings
         if r.temperature_c is None and not r.criterion.startswith("error_")
     ]
@@ -250,7 +245,7 @@ def rankings(result: Any) -> Section:
         )
         left = [names[p.sensor] for p in r.places if p.rank is None and p.figure.known]
         order += f"; not ranked: {listing(left)}" if left else ""
-        rows.append((r.title, _unit(r.unit), at, order))
+        rows.append((r.title, symbol(r.unit), at, order))
     return Section(
         "rankings",
         "Ranking",

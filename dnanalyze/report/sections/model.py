@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from dnanalyze.report.figures.style import UNITS
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.words import (
     DIRECT,
@@ -16,6 +15,7 @@ from dnanalyze.report.words import (
     parameter_value,
     plural,
     point_label,
+    symbol,
     varied,
 )
 
@@ -39,7 +39,7 @@ def model_section(model: Any, parameters: Sequence[Any] = ()) -> Section:
     entries = list(_entries(model))
     fixed = [row for name, law, about in entries if (row := _fixed(name, law, about, known))]
     left = set(known) - {n for name, law, _ in entries for n in _names(name, law)}
-    fixed += [(n, _value(known[n].value, n, known), _unit(known[n].unit), "", "") for n in left]
+    fixed += [(n, _value(known[n].value, n, known), symbol(known[n].unit), "", "") for n in left]
     tables = [
         *_by_point([(name, law, about) for name, law, about in entries if _table(law)], known),
         Table(("parameter", "value", "unit", "operating point", "meaning"), fixed, words=5,
@@ -84,10 +84,6 @@ def _value(value: Any, name: str, known: dict[str, Any]) -> str:
     return number(value) if is_number(value) else str(value)
 
 
-def _unit(unit: str) -> str:
-    return UNITS.get(unit, unit)
-
-
 def _fixed(
     name: str, law: Any, about: tuple[str, str], known: dict[str, Any]
 ) -> tuple[str, ...] | None:
@@ -97,10 +93,10 @@ def _fixed(
     unit, doc = about
     if not hasattr(law, "ea_ev"):
         where = "all" if is_number(law) else ""
-        return name, _value(law, name, known), _unit(unit), where, doc
+        return name, _value(law, name, known), symbol(unit), where, doc
     energy = _value(law.ea_ev, f"{name}.ea_ev", known)
     at = f"{number(law.at_c)} °C; activation energy {energy} eV"
-    return name, _value(law.value, name, known), _unit(unit), at, doc
+    return name, _value(law.value, name, known), symbol(unit), at, doc
 
 
 def _by_point(entries: Sequence[tuple[str, Any, Any]], known: dict[str, Any]) -> list[Table]:
@@ -108,7 +104,7 @@ def _by_point(entries: Sequence[tuple[str, Any, Any]], known: dict[str, Any]) ->
     made: dict[tuple[Any, ...], list[tuple[str, ...]]] = {}
     for name, law, (unit, _) in entries:
         cells = [_value(v, f"{name}[{n}]", known) for n, v in enumerate(law.values)]
-        made.setdefault(law.points, []).append((name, _unit(unit), *cells))
+        made.setdefault(law.points, []).append((name, symbol(unit), *cells))
     tables = []
     for points, rows in made.items():
         heads = [point_label(p, varied(vars(q) for q in points)) for p in points]
