@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from dnanalyze.analyzers.catalogue import find as find_statistic
-from dnanalyze.analyzers.statistics import Scale, SettingStatistics
+from dnanalyze.analyzers.statistics import Scale, SettingStatistics, Value
 from dnanalyze.checking.check_bench import CheckBench
 from dnanalyze.checking.targets import POOLED, Target, Targets, load_targets
 from dnanalyze.errors import InputError
@@ -95,11 +95,9 @@ class Check:
         """Whose figure shows it: a family of statistics, "error" or "model"."""
         if self.kind == "statistic":
             return find_statistic(self.subject).family
-        return (
-            ("error" if self.subject == POOLED else self.subject)
-            if self.kind == "error"
-            else "model"
-        )
+        if self.kind == "parameter":
+            return "model"
+        return "error" if self.subject == POOLED else self.subject
 
 
 @dataclass(frozen=True, repr=False)
@@ -249,7 +247,7 @@ def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
         return
     for setting in here:
         own = setting.values.get(item.statistic)
-        needs = (item.relative is not None or item.floors is not None) and item.measured is None
+        needs = item.needs_measured
         stated = bench.value(bench.measured, setting, item.statistic) if needs else None
         if needs and stated is None:
             if bench.measurement is None:
@@ -258,15 +256,32 @@ def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
                     "target, or the measured captures with --measured"
                 )
             continue  # not measured there: nothing to hold against
-        reference = (
-            item.measured if item.measured is not None else (stated.value if stated else None)
-        )
-        floor = item.floor or (math.sqrt(2.0) * stated.se if stated else None)
-        if item.floors is not None and floor is None:
+        if item.floors is not None and item.floor is None and stated is None:
             raise InputError(f"{where}: floors needs floor, the reproducibility standard deviation")
-        limits = _limits(item, info.scale, reference, floor)
-        reason = "" if own else setting.missing.get(item.statistic, NOT_DETERMINED)
-        yield _made(item, setting, own.value if own else math.nan, reference, limits, reason, floor)
+        reason = setting.missing.get(item.statistic, NOT_DETERMINED)
+        yield _compared(item, setting, own, stated, info.scale, reason)
+
+
+def _compared(
+    item: Target,
+    setting: SettingStatistics | None,
+    own: Value | None,
+    stated: Value | None,
+    scale: Scale,
+    reason: str,
+) -> Check:
+    """The simulated value beside the measured one: the target's, else ``stated``.
+
+    ``reason``: why there is no simulated value, where there is none.
+    """
+    measured, floor = item.measured, item.floor
+    if stated is not None:
+        measured = stated.value if measured is None else measured
+        floor = floor or math.sqrt(2.0) * stated.se
+    limits = _limits(item, scale, measured, floor)
+    if own is None:
+        return _made(item, setting, math.nan, measured, limits, reason, floor)
+    return _made(item, setting, own.value, measured, limits, floor=floor)
 
 
 def _limits(
@@ -317,15 +332,12 @@ def _trend(item: Target, bench: CheckBench, where: str) -> Check:
     if item.at.label:
         raise InputError(f"{where}: holds over all temperatures; leave out at")
     own = bench.simulated[2].trends.get(item.statistic)
-    needs = (item.relative is not None or item.floors is not None) and item.measured is None
+    needs = item.needs_measured
     stated = bench.measured[2].trends.get(item.statistic) if needs and bench.measured else None
     if needs and stated is None:
         raise InputError(f"{where}: relative and floors need measured, and no captures give it")
-    reference = item.measured if item.measured is not None else (stated.value if stated else None)
-    floor = item.floor or (math.sqrt(2.0) * stated.se if stated else None)
-    reason = "" if own else "these operating points do not determine it"
-    limits = _limits(item, Scale.LINEAR, reference, floor)
-    return _made(item, None, own.value if own else math.nan, reference, limits, reason, floor)
+    reason = "these operating points do not determine it"
+    return _compared(item, None, own, stated, Scale.LINEAR, reason)
 
 
 def _error(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:

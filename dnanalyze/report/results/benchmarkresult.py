@@ -8,8 +8,8 @@ import pandas as pd
 
 from dnanalyze.benchmarking.figure import Figure
 from dnanalyze.benchmarking.record import SensorRecord
-from dnanalyze.benchmarking.run import BenchmarkResult
-from dnanalyze.report.documents import Document
+from dnanalyze.benchmarking.run import BenchmarkResult, Placed
+from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.figures import benchmark as figures
 from dnanalyze.report.page import Page, Section, Table
 from dnanalyze.report.plain import document as made
@@ -31,6 +31,7 @@ SHOWN = {
     "dark_current", "temporal_noise", "dsnu", "hot_pixels", "row_noise", "read_noise",
     "activation_energy", "error_gaussian", "error_paper", "error_refined",
 }  # fmt: skip
+RANKING = "criterion", "title", "unit", "temperature_c"
 HEADLINE = ("dark_current", "read_noise", "dsnu", "hot_pixels")
 
 
@@ -129,21 +130,25 @@ def page(result: BenchmarkResult) -> Page:
 def table(result: BenchmarkResult) -> pd.DataFrame:
     """One row a criterion, temperature and sensor."""
     rows = [
-        {
-            "criterion": r.criterion,
-            "title": r.title,
-            "unit": r.unit,
-            "temperature_c": r.temperature_c,
-            "sensor": p.sensor,
-            **estimate(p.figure.value, p.figure.se),
-            "rank": p.rank,
-            "not_distinguishable_from": " ".join(p.alike),
-            "note": p.figure.note,
-        }
+        fields_of(r, *RANKING)
+        | {"sensor": p.sensor, **estimate(p.figure.value, p.figure.se)}
+        | _place(p)
+        | {"not_distinguishable_from": " ".join(p.alike)}
         for r in result.rankings
         for p in r.places
     ]
     return pd.DataFrame(rows)
+
+
+def _place(place: Placed) -> Document:
+    """A sensor's place under a criterion."""
+    return {
+        "sensor": place.sensor,
+        "rank": place.rank,
+        "not_distinguishable_from": place.alike,
+        **estimate(place.figure.value, place.figure.se),
+        "note": place.figure.note,
+    }
 
 
 def document(result: BenchmarkResult) -> Document:
@@ -156,23 +161,7 @@ def document(result: BenchmarkResult) -> Document:
         temperatures_c=result.temperatures,
         sensors=[_sensor(s) for s in result.sensors],
         rankings=[
-            {
-                "criterion": r.criterion,
-                "title": r.title,
-                "unit": r.unit,
-                "temperature_c": r.temperature_c,
-                "better": r.better,
-                "places": [
-                    {
-                        "sensor": p.sensor,
-                        "rank": p.rank,
-                        "not_distinguishable_from": p.alike,
-                        **estimate(p.figure.value, p.figure.se),
-                        "note": p.figure.note,
-                    }
-                    for p in r.places
-                ],
-            }
+            fields_of(r, *RANKING, "better") | {"places": [_place(p) for p in r.places]}
             for r in result.rankings
         ],
         notes=result.notes,
@@ -181,8 +170,7 @@ def document(result: BenchmarkResult) -> Document:
 
 def _sensor(sensor: SensorRecord) -> Document:
     return {
-        "name": sensor.name,
-        "folder": sensor.folder,
+        **fields_of(sensor, "name", "folder"),
         "shape": sensor.sensor.shape,
         "pixel_pitch_um": sensor.sensor.pixel_pitch_um,
         "temperatures_c": sensor.temperatures,
@@ -190,8 +178,7 @@ def _sensor(sensor: SensorRecord) -> Document:
             **estimate(sensor.dn_per_e.value, sensor.dn_per_e.se),
             "note": sensor.dn_per_e.note,
         },
-        "errors": sensor.errors,
-        "verdict": sensor.verdict,
+        **fields_of(sensor, "errors", "verdict", "notes", "filtered"),
         "effects": [
             {
                 "effect": e.effect,
@@ -202,12 +189,10 @@ def _sensor(sensor: SensorRecord) -> Document:
             }
             for e in sensor.effects
         ],
-        "filtered": sensor.filtered,
         "filter": sensor.filter_kind,
         "readings": {
             name: [vars(r) for r in readings] for name, readings in sensor.readings.items()
         },
-        "notes": sensor.notes,
     }
 
 
