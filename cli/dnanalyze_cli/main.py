@@ -37,8 +37,8 @@ from dnanalyze_cli.commands import (
     simulate,
     workbench,
 )
-from dnanalyze_cli.stopped import INTERRUPTED, TERMINATED, Stopped, end_on_sigterm
-from dnanalyze_cli.warned import Told
+from dnanalyze_cli.short_warnings import ShortWarnings
+from dnanalyze_cli.termination import INTERRUPTED, TERMINATED, Stopped, end_on_sigterm
 
 app = typer.Typer(
     name="dnanalyze",
@@ -132,7 +132,7 @@ def run() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # its encoding may lack ° or σ
             stream.reconfigure(errors="replace")
-    warnings.showwarning = Told()
+    warnings.showwarning = ShortWarnings()
     code = main()
     try:
         sys.stdout.flush()

@@ -11,7 +11,7 @@ from typing import Any
 
 from dnanalyze.analyzers.catalogue import find as find_statistic
 from dnanalyze.analyzers.statistics import Scale, SettingStatistics, Value
-from dnanalyze.checking.check_bench import CheckBench
+from dnanalyze.checking.check_data import CheckData
 from dnanalyze.checking.targets import POOLED, Target, Targets, load_targets
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import Design
@@ -199,15 +199,15 @@ def check(
         targets = load_targets(Path(targets))
     if model is not None and seed is not None:
         model = replace(model, seed=seed)
-    bench = CheckBench(captures, captures if model is not None else measured, model, progress)
-    _same_make(captures, targets, bench.plan)
+    data = CheckData(captures, captures if model is not None else measured, model, progress)
+    _same_make(captures, targets, data.plan)
     made: list[Check] = []
     for number, item in enumerate(targets.targets, 1):
         where = f"target {number} ({item.subject})"
         made += {"statistic": _statistic, "error": _error, "parameter": _parameter}[item.kind](
-            item, bench, where
+            item, data, where
         )
-    return CheckResult(captures, bench.name, made, targets.false_failures)
+    return CheckResult(captures, data.name, made, targets.false_failures)
 
 
 def _same_make(captures: CaptureSet, targets: Targets, plan: Design) -> None:
@@ -228,12 +228,12 @@ def _same_make(captures: CaptureSet, targets: Targets, plan: Design) -> None:
         )
 
 
-def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
+def _statistic(item: Target, data: CheckData, where: str) -> Iterator[Check]:
     assert item.statistic is not None
     info = find_statistic(item.statistic)
-    simulated = bench.simulated[2]
+    simulated = data.simulated[2]
     if info.family == "trends" and not any(item.statistic in s.values for s in simulated.settings):
-        yield _trend(item, bench, where)
+        yield _trend(item, data, where)
         return
     here = [s for s in simulated.settings if item.at.matches(s.point, s.plane)]
     if not here:
@@ -248,9 +248,9 @@ def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
     for setting in here:
         own = setting.values.get(item.statistic)
         needs = item.needs_measured
-        stated = bench.value(bench.measured, setting, item.statistic) if needs else None
+        stated = data.value(data.measured, setting, item.statistic) if needs else None
         if needs and stated is None:
-            if bench.measurement is None:
+            if data.measurement is None:
                 raise InputError(
                     f"{where}: relative and floors need the measured value; give measured in the "
                     "target, or the measured captures with --measured"
@@ -326,39 +326,39 @@ def _made(
     )  # fmt: skip
 
 
-def _trend(item: Target, bench: CheckBench, where: str) -> Check:
+def _trend(item: Target, data: CheckData, where: str) -> Check:
     """A statistic over temperature, such as the activation energy."""
     assert item.statistic is not None
     if item.at.label:
         raise InputError(f"{where}: holds over all temperatures; leave out at")
-    own = bench.simulated[2].trends.get(item.statistic)
+    own = data.simulated[2].trends.get(item.statistic)
     needs = item.needs_measured
-    stated = bench.measured[2].trends.get(item.statistic) if needs and bench.measured else None
+    stated = data.measured[2].trends.get(item.statistic) if needs and data.measured else None
     if needs and stated is None:
         raise InputError(f"{where}: relative and floors need measured, and no captures give it")
     reason = "these operating points do not determine it"
     return _compared(item, None, own, stated, Scale.LINEAR, reason)
 
 
-def _error(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
-    if bench.measurement is None:
+def _error(item: Target, data: CheckData, where: str) -> Iterator[Check]:
+    if data.measurement is None:
         raise InputError(
             f"{where}: an error needs the measured captures; give --model or --measured"
         )
-    value = bench.own_errors.get(str(item.error), math.nan)
+    value = data.own_errors.get(str(item.error), math.nan)
     reason = "" if math.isfinite(value) else "the measured frames have no statistic of that family"
     limits = _limits(item, Scale.LINEAR, item.measured, None)
     yield _made(item, None, value, item.measured, limits, reason)
 
 
-def _parameter(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
+def _parameter(item: Target, data: CheckData, where: str) -> Iterator[Check]:
     """A number of the model file; at an operating point, by its law."""
     assert item.parameter is not None
-    if bench.model is None:
+    if data.model is None:
         raise InputError(f"{where}: a parameter needs the model; give --model")
-    value, unit = parameter_of(bench.model, item.parameter, where)
+    value, unit = parameter_of(data.model, item.parameter, where)
     limits = _limits(item, Scale.LINEAR, item.measured, None)
-    reads = value(item.at.point if item.at.label else bench.model.reference)
+    reads = value(item.at.point if item.at.label else data.model.reference)
     yield _made(item, None, reads, item.measured, limits, unit=unit)
 
 

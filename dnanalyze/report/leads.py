@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from dnanalyze.model.registry import BASE, BASELINE
-from dnanalyze.report.structure import beyond, sentence_of
+from dnanalyze.report.significant_structure import beyond, sentence_of
 from dnanalyze.report.words import (
     SURE,
     closeness,

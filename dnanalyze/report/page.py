@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from dnanalyze.report import capture
+from dnanalyze.report import capture_facts
 from dnanalyze.report.figures.palette import TONES, turning
 from dnanalyze.report.figures.pictures import Key, Panel, Picture
 from dnanalyze.report.figures.svg import named_apart
@@ -149,13 +149,13 @@ def page_of(
 ) -> Page:
     """A page on these captures: their name, facts and notes are theirs."""
     if more.get("front"):
-        more["about"] = capture.about(captures)
+        more["about"] = capture_facts.about(captures)
     return Page(
         kind,
-        capture.title(captures),
+        capture_facts.title(captures),
         verdict,
         sections,
-        facts=capture.facts(captures) | more.pop("facts", {}),
+        facts=capture_facts.facts(captures) | more.pop("facts", {}),
         notes=captures.notes,
         **more,
     )

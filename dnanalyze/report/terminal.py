@@ -12,7 +12,7 @@ from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
-from dnanalyze.report import capture, words
+from dnanalyze.report import capture_facts, words
 from dnanalyze.report.page import Section, Table
 
 COLUMNS = 80
@@ -54,7 +54,7 @@ def show(console: Console, result: Any) -> None:
 def head(console: Console, captures: Any, verdict: str, style: str = "bold") -> None:
     """What was captured, then the answer; without captures the answer alone."""
     if captures is not None:
-        console.print(Text(capture.one_line(captures), style="dim"))
+        console.print(Text(capture_facts.one_line(captures), style="dim"))
         console.print()
     _line(console, verdict, style)
     console.print()

@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from dnanalyze_cli.numbers import celsius
 from dnanalyze_cli.options import FolderOptions, NoCache, Scheduler, option, takes
 from dnanalyze_cli.scheduler import executor_at
+from dnanalyze_cli.typed_numbers import celsius
 
 
 @takes(FolderOptions)

@@ -9,13 +9,13 @@ from dnanalyze_cli.options import ModelOptions, ModelOut, takes
 def channels(options: ModelOptions, output: ModelOut = None) -> None:
     """Refine each HDR channel; separate effects of the pixel from those of the readout."""
     from dnanalyze.channels.refinement import by_channel, refine_channels
-    from dnanalyze_cli import over_channels
+    from dnanalyze_cli import channel_commands
 
     session = options.session("channels", output=output)
     known = session.known()
     found, own = options.begin(session)
     by_channel(found)  # refuses captures without
-    over_channels.refine(
+    channel_commands.run_over_channels(
         session,
         found,
         lambda progress: refine_channels(found, own, effects=known, progress=progress),

@@ -75,7 +75,7 @@ def check(
     from dnanalyze.checking.targets import dump_targets, load_targets
     from dnanalyze.loaders.writers import atomic_write
     from dnanalyze.model.channel_models import require
-    from dnanalyze.report.files import check_kept, check_output
+    from dnanalyze.report.output_files import check_kept, check_output
     from dnanalyze.report.results import checkresult as report
     from dnanalyze.report.terminal import head
 

@@ -35,7 +35,7 @@ def demo(
     quiet: Quiet = False,
 ) -> None:
     """Make frames of a virtual sensor with a hidden effect, compare, and identify the effect."""
-    from dnanalyze.report.files import check_folder
+    from dnanalyze.report.output_files import check_folder
 
     if folder is not None:
         check_folder(folder, force)

@@ -39,7 +39,7 @@ def describe(
     from dnanalyze.model.learned.field_map import map_bytes
     from dnanalyze.model.learned.pattern_map import named
     from dnanalyze.model.noise_model import dump_model
-    from dnanalyze.report.files import check_kept, check_output
+    from dnanalyze.report.output_files import check_kept, check_output
     from dnanalyze.report.results import description as report
     from dnanalyze.report.results import learnedpattern
 

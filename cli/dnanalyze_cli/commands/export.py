@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.numbers import celsius, rows_and_columns
 from dnanalyze_cli.options import EffectFiles, Quiet, option
 from dnanalyze_cli.session import Session
+from dnanalyze_cli.typed_numbers import celsius, rows_and_columns
 
 
 def export(

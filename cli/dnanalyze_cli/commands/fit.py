@@ -34,12 +34,12 @@ def fit(
     """Fit a model's parameters, with their standard errors; -o writes the model file."""
     from dnanalyze.fitting.fit import REPLICATES
     from dnanalyze.fitting.fit import fit_on as run
-    from dnanalyze_cli import over_channels
+    from dnanalyze_cli import channel_commands
 
     session = options.session("fit", output=output)
     found, start = options.begin(session)
     if start is not None:
-        start = over_channels.spread(start, found)
+        start = channel_commands.with_rows_by_channel(start, found)
     with session.progress("Fitting") as progress:
         problem = progress.fit_problem(found)
         result = run(

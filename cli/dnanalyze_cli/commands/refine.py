@@ -53,7 +53,7 @@ def refine(
     from dnanalyze.model.registry import find
     from dnanalyze.report import words
     from dnanalyze.report.results import refinement as report
-    from dnanalyze_cli import over_channels
+    from dnanalyze_cli import channel_commands
     from dnanalyze_cli.residual_description import describe_residual
     from dnanalyze_cli.resume import command_line, kept_when_stopped
 
@@ -73,7 +73,7 @@ def refine(
         from dnanalyze.channels.refinement import refine_channels
 
         with executor_at(scheduler) as executor:
-            over_channels.refine(
+            channel_commands.run_over_channels(
                 session,
                 found,
                 lambda progress: refine_channels(

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.numbers import celsius, numbers, rows_and_columns
 from dnanalyze_cli.options import EffectFiles, Force, Json, Reading, option, takes
 from dnanalyze_cli.session import Session
+from dnanalyze_cli.typed_numbers import celsius, numbers, rows_and_columns
 
 _FRAMES = "The frames"
 
@@ -76,7 +76,7 @@ def simulate(
     from dnanalyze.model.simulate import simulate as run
     from dnanalyze.processors import cpu_count
     from dnanalyze.report.documents import point
-    from dnanalyze.report.files import atomic_folder, check_folder
+    from dnanalyze.report.output_files import atomic_folder, check_folder
     from dnanalyze.report.plain import document
     from dnanalyze.report.words import plural
 

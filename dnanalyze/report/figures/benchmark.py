@@ -86,8 +86,8 @@ def over_temperature(result: Any) -> Picture | None:
 def _series(
     ax: Any, readings: Sequence[Any], criterion: Any, result: Any, look: dict[str, Any]
 ) -> None:
-    from dnanalyze.benchmarking.laws import estimate
     from dnanalyze.benchmarking.run import EXTRAPOLATION
+    from dnanalyze.benchmarking.temperature_laws import estimate
 
     good = [r for r in readings if r.value > 0]
     if not good:

@@ -7,7 +7,7 @@ from typing import Any
 
 from dnanalyze.report.figures.palette import CALM
 from dnanalyze.report.figures.style import INK, MODEL, Cell, Picture, panels
-from dnanalyze.report.stages import BASELINE_STAGE
+from dnanalyze.report.refinement_stages import BASELINE_STAGE
 from dnanalyze.report.words import is_number, number, percent
 
 

@@ -7,30 +7,30 @@ from functools import cache, partial
 from typing import Any
 
 from dnanalyze.report.figures import (
-    codes,
+    code_use,
     distribution,
-    lines,
-    planes,
+    exceedance,
+    frame_means,
+    noise_and_dark_signal,
+    rows_and_columns,
     shading,
     spectrum,
-    tails,
-    timeline,
-    trends,
+    spectrum_2d,
 )
 from dnanalyze.report.figures.style import Layer, layers
 from dnanalyze.report.presentation import Draw
 
 Figure = Callable[[Sequence[Layer]], object]
 KINDS: dict[str, Figure] = {
-    "temperature": trends.over_temperature,
+    "temperature": noise_and_dark_signal.over_temperature,
     "distribution": distribution.histograms,
-    "tails": tails.exceedance,
+    "tails": exceedance.exceedance,
     "spectrum": spectrum.spectra,
-    "spectrum_2d": planes.planes,
-    "profiles": lines.profiles,
-    "line_spectra": lines.spectra,
-    "time": timeline.frame_means,
-    "codes": codes.roughness,
+    "spectrum_2d": spectrum_2d.planes,
+    "profiles": rows_and_columns.profiles,
+    "line_spectra": rows_and_columns.spectra,
+    "time": frame_means.frame_means,
+    "codes": code_use.roughness,
     "shading": shading.maps,
 }
 

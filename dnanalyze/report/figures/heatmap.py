@@ -21,7 +21,7 @@ from dnanalyze.report.figures.style import (
     panels,
     quantity,
 )
-from dnanalyze.report.tables import info, worst
+from dnanalyze.report.statistic_rows import info, worst
 from dnanalyze.report.words import FAMILIES, family_title, is_number, number, point_label, varied
 
 LINEAR = 3.0  # sigma up to which the colour scale is linear, logarithmic beyond

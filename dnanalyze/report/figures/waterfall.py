@@ -16,7 +16,7 @@ from dnanalyze.report.figures.style import (
     Picture,
     panels,
 )
-from dnanalyze.report.stages import BASELINE_STAGE, stages
+from dnanalyze.report.refinement_stages import BASELINE_STAGE, stages
 from dnanalyze.report.words import is_number, number
 
 RANGE = 6.0  # ratio of the errors from which the axis is logarithmic

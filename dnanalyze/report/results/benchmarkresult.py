@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from dnanalyze.benchmarking.figure import Figure
-from dnanalyze.benchmarking.record import SensorRecord
-from dnanalyze.benchmarking.run import BenchmarkResult, Placed
+from dnanalyze.benchmarking.benchmark_value import BenchmarkValue
+from dnanalyze.benchmarking.run import BenchmarkResult, RankingPlace
+from dnanalyze.benchmarking.sensor_record import SensorRecord
 from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.figures import benchmark as figures
 from dnanalyze.report.page import Page, Section, Table
@@ -100,7 +100,7 @@ def sections(result: BenchmarkResult) -> list[Section]:
     ]
 
 
-def _cell(figure: Figure, wide: bool) -> str:
+def _cell(figure: BenchmarkValue, wide: bool) -> str:
     """With its error where there is room."""
     if not figure.known:
         return "–"
@@ -140,7 +140,7 @@ def table(result: BenchmarkResult) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _place(place: Placed) -> Document:
+def _place(place: RankingPlace) -> Document:
     """A sensor's place under a criterion."""
     return {
         "sensor": place.sensor,

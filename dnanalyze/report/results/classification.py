@@ -13,7 +13,7 @@ from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections.model import model_section
-from dnanalyze.report.tables import POINT
+from dnanalyze.report.statistic_rows import POINT
 from dnanalyze.report.words import point_label, varied
 
 CELL = "view", "auc", "low", "high", "control"

@@ -11,8 +11,8 @@ from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.report.documents import Document
 from dnanalyze.report.figures import filter_tests
-from dnanalyze.report.figures.against_neighbours import scatter
 from dnanalyze.report.figures.filter_tests import TITLES
+from dnanalyze.report.figures.pixel_and_neighbours import scatter
 from dnanalyze.report.figures.style import labels
 from dnanalyze.report.figures.suppression import suppression
 from dnanalyze.report.page import Page, Section, Table, page_of

@@ -18,7 +18,7 @@ from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import comparison as compare
 from dnanalyze.report.sections.front import candidate_layers, front, labels_of
 from dnanalyze.report.sections.model import model_section
-from dnanalyze.report.tables import named
+from dnanalyze.report.statistic_rows import named
 from dnanalyze.report.words import (
     candidates_of,
     diagnose_headline,

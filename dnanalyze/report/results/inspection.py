@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from dnanalyze.report import capture
+from dnanalyze.report import capture_facts
 from dnanalyze.report.documents import Document
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
@@ -27,7 +27,7 @@ def sections(captures: CaptureSet, seen: Mapping[str, Any]) -> list[Section]:
     seen : mapping
         What `dnanalyze.loaders.inspect` gave.
     """
-    facts = capture.facts(captures) | capture.codes(seen["codes"])
+    facts = capture_facts.facts(captures) | capture_facts.codes(seen["codes"])
     points = [
         (point_label(p), _span(p["temperature_span_c"]), p["first"], p["frames"])
         for p in seen["operating_points"]
@@ -43,7 +43,7 @@ def sections(captures: CaptureSet, seen: Mapping[str, Any]) -> list[Section]:
             tables=[
                 Table(
                     ("quantity", "taken from", "for example"),
-                    capture.sources(seen),
+                    capture_facts.sources(seen),
                     words=3,
                     most=10,
                 )
@@ -63,10 +63,10 @@ def page(captures: CaptureSet, seen: Mapping[str, Any]) -> Page:
     return page_of(
         captures,
         "Captures",
-        capture.one_line(captures) + ".",
+        capture_facts.one_line(captures) + ".",
         sections(captures, seen),
         points=[sentence(text) for text in seen["missing"]],
-        facts=capture.codes(seen["codes"]),
+        facts=capture_facts.codes(seen["codes"]),
     )
 
 

@@ -20,6 +20,7 @@ from dnanalyze.report.leads import named_effects, refine_lead
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.presentation import Draw
+from dnanalyze.report.refinement_stages import Stage, stages
 from dnanalyze.report.results import classification, diagnosis
 from dnanalyze.report.results import comparison as compare
 from dnanalyze.report.sections.front import front, labels_of, model_layers
@@ -29,7 +30,6 @@ from dnanalyze.report.sections.model import (
     parameters_section,
     undetermined_section,
 )
-from dnanalyze.report.stages import Stage, stages
 from dnanalyze.report.words import naming, number, percent, sentence, step_name
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from dnanalyze.report.capture import facts
+from dnanalyze.report.capture_facts import facts
 from dnanalyze.report.figures import benchmark as figures
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.results.detection import KINDS

@@ -9,12 +9,12 @@ from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.comparator.rivals import Rivals
 from dnanalyze.emva import kinds
 from dnanalyze.emva.quantity import Quantity
-from dnanalyze.report import emva
+from dnanalyze.report import emva_tables
 from dnanalyze.report.fields import Place, fields, worst_place
 from dnanalyze.report.figures.before_after import before_after
-from dnanalyze.report.figures.field import field_row, field_series
-from dnanalyze.report.figures.paper import figure_1, figure_2
+from dnanalyze.report.figures.field_images import field_row, field_series
 from dnanalyze.report.figures.style import ACCENT, GAUSSIAN, MODEL, Layer, chosen, layers
+from dnanalyze.report.figures.wang_2025 import figure_1, figure_2
 from dnanalyze.report.leads import plain_name
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.words import DIRECT, direct_rows
@@ -177,10 +177,10 @@ def numbers_section(measured: Statistics, part: str = "") -> list[Section]:
     if not found.groups:
         return []
     group = found.groups[0]
-    points = emva.ends(group)
-    labels = emva.labels(points) if len(points) > 1 else [""]
+    points = emva_tables.ends(group)
+    labels = emva_tables.labels(points) if len(points) > 1 else [""]
     rows = [
-        (emva.title(kind), label, emva.cell(quantity))
+        (emva_tables.title(kind), label, emva_tables.cell(quantity))
         for kind in NUMBERS
         for label, quantity in _at(points, labels, kind)
         if quantity.determined
@@ -191,9 +191,9 @@ def numbers_section(measured: Statistics, part: str = "") -> list[Section]:
             q for q in known if q.kind == kinds.CURRENT
         ]
         at = "" if current.temperature_c is None else f"{current.temperature_c:g} °C"
-        rows += [(emva.title(q.kind), at, emva.cell(q)) for q in first]
+        rows += [(emva_tables.title(q.kind), at, emva_tables.cell(q)) for q in first]
     rows += [
-        (emva.title(q.kind), "", emva.cell(q))
+        (emva_tables.title(q.kind), "", emva_tables.cell(q))
         for q in group.quantities
         if q.kind == kinds.DOUBLING and q.determined
     ]

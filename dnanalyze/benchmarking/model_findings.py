@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from dnanalyze.analyzers.streaming import cache
-from dnanalyze.benchmarking.figure import ABSENT, Figure
+from dnanalyze.benchmarking.benchmark_value import ABSENT, BenchmarkValue
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet
 
@@ -39,14 +39,14 @@ class Strength:
 
 
 @dataclass(frozen=True)
-class Modelled:
+class ModelFindings:
     """What comparison, refinement and detection found of one sensor.
 
     Parameters
     ----------
     errors : dict
         "gaussian", "paper", "refined".
-    gain : Figure
+    gain : BenchmarkValue
         Conversion gain by the shot noise of the refined model.
     effects : list of Strength
     verdict : str
@@ -59,7 +59,7 @@ class Modelled:
     """
 
     errors: dict[str, float] = field(default_factory=dict)
-    gain: Figure = ABSENT
+    gain: BenchmarkValue = ABSENT
     effects: list[Strength] = field(default_factory=list)
     verdict: str = ""
     reference: str = ""
@@ -68,12 +68,12 @@ class Modelled:
     notes: list[str] = field(default_factory=list)
 
 
-KEPT = TypeAdapter(Modelled)  # reads what was kept on disk
+KEPT = TypeAdapter(ModelFindings)  # reads what was kept on disk
 
 
-def modelled(
+def model_findings(
     captures: CaptureSet, quick: bool, on_progress: Callable[[str], None], processes: bool = True
-) -> Modelled:
+) -> ModelFindings:
     """Compare, refine and detect; what was found before of the same files is read again.
 
     Parameters
@@ -90,22 +90,22 @@ def modelled(
     known = None if entry is None else entry.read(lambda plain, _: KEPT.validate_python(plain))
     if known is not None:
         return known
-    made = _modelled(captures, quick, on_progress, processes)
+    made = _model_findings(captures, quick, on_progress, processes)
     if entry is not None:
         entry.write(asdict(made), {})
     return made
 
 
-def _modelled(
+def _model_findings(
     captures: CaptureSet, quick: bool, on_progress: Callable[[str], None], processes: bool
-) -> Modelled:
+) -> ModelFindings:
     notes: list[str] = []
     errors, result = _refined(captures, quick, on_progress, processes, notes)
     filtered, kind = _filtered(captures, on_progress, notes)
     if result is None:
-        return Modelled(errors, filtered=filtered, filter_kind=kind, notes=notes)
+        return ModelFindings(errors, filtered=filtered, filter_kind=kind, notes=notes)
     on_progress("standard error of the gain")
-    return Modelled(
+    return ModelFindings(
         errors, _gain(result), strengths(result.model), result.verdict,
         result.model.reference.label(), filtered, kind, notes,
     )  # fmt: skip
@@ -163,7 +163,7 @@ def strengths(model: Any) -> list[Strength]:
     return made
 
 
-def _gain(result: Any) -> Figure:
+def _gain(result: Any) -> BenchmarkValue:
     if result.model.get("dark_shot_noise") is None:
         return ABSENT
     from dnanalyze.fitting.fit import with_uncertainties
@@ -173,7 +173,7 @@ def _gain(result: Any) -> Figure:
     gain = estimates.get("dark_shot_noise.dn_per_e")
     if gain is None or not (math.isfinite(gain.se) and gain.se < 0.5 * gain.value):
         return ABSENT
-    return Figure(gain.value, gain.se, "shot noise of the refined model")
+    return BenchmarkValue(gain.value, gain.se, "shot noise of the refined model")
 
 
 def _filtered(

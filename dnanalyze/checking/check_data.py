@@ -23,7 +23,7 @@ BUDGET_PIXELS = 24_000_000
 
 
 @dataclass(frozen=True)
-class CheckBench:
+class CheckData:
     """The simulation on one side, the measurement (where there is one) on the other.
 
     Parameters
