@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from dnanalyze.report.figures.pictures import Draw
     from dnanalyze.report.page import Page, Section
-
-Draw = Callable[[], Any]  # a figure function with its arguments; None where nothing is to be seen
 
 
 class Presentation(Protocol):

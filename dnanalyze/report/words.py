@@ -33,6 +33,12 @@ FAMILIES = {
     "trends": "Over temperature",
 }
 
+FILTERS = {
+    "dpc": "defect-pixel correction",
+    "denoise": "spatial denoise",
+    "temporal_denoise": "temporal denoise",
+}
+
 
 def family_title(name: str) -> str:
     """Heading of a family of statistics."""

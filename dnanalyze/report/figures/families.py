@@ -17,8 +17,8 @@ from dnanalyze.report.figures import (
     spectrum,
     spectrum_2d,
 )
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.style import Layer, layers
-from dnanalyze.report.presentation import Draw
 
 Figure = Callable[[Sequence[Layer]], object]
 KINDS: dict[str, Figure] = {

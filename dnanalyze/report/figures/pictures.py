@@ -13,6 +13,7 @@ from dnanalyze.report.figures.svg import svg_of
 from dnanalyze.report.figures.ticks import log_axis
 
 WIDTH = 10.4  # inch: the width of the page's column
+Draw = Callable[[], Any]  # a figure function with its arguments; None where nothing is to be seen
 
 
 @dataclass(frozen=True)

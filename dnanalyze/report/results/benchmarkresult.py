@@ -11,10 +11,10 @@ from dnanalyze.benchmarking.run import BenchmarkResult, RankingPlace
 from dnanalyze.benchmarking.sensor_record import SensorRecord
 from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.figures import benchmark as figures
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.page import Page, Section, Table
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.plain import estimate
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections import benchmark as parts
 from dnanalyze.report.sections.benchmark import groups, middle_of, summary
 from dnanalyze.report.words import (

@@ -12,10 +12,10 @@ from dnanalyze.diagnosis.results import Diagnosis, Refinement
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.figures.families import family_plots, simulated
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.waterfall import waterfall, waterfalls
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import comparison as compare
 from dnanalyze.report.results import diagnosis, refinement
 from dnanalyze.report.sections.model import model_section

@@ -12,10 +12,10 @@ from dnanalyze.checking.check import Check, CheckResult
 from dnanalyze.checking.targets import Targets
 from dnanalyze.digits import minus, resolving
 from dnanalyze.report.documents import Document, fields_of, point
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.targets import targets as picture
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.words import family_title, number, plural, symbol, unit_text
 
 MOST_ROWS = 20

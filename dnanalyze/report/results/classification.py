@@ -9,9 +9,9 @@ import pandas as pd
 from dnanalyze.classifier.result import Cell, Classification
 from dnanalyze.report.documents import Document, fields_of, point
 from dnanalyze.report.figures.classifier import classifier_patches
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections.model import model_section
 from dnanalyze.report.statistic_rows import POINT
 from dnanalyze.report.words import point_label, varied

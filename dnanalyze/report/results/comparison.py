@@ -14,11 +14,11 @@ from dnanalyze.report import words
 from dnanalyze.report.documents import Document, coverage, level
 from dnanalyze.report.figures import heatmap
 from dnanalyze.report.figures.families import family_plots
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.style import layers
 from dnanalyze.report.leads import compare_lead
 from dnanalyze.report.page import Page, Section, Table, page_of, tone_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import classification
 from dnanalyze.report.results.statistics import missing_section
 from dnanalyze.report.sections.front import front, model_layers

@@ -10,10 +10,10 @@ from dnanalyze.description.describe import Description
 from dnanalyze.description.pattern import LearnedPattern
 from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.figures.description import description as picture
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.plain import estimate
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import classification, learnedpattern
 from dnanalyze.report.sections.model import model_section
 from dnanalyze.report.words import (

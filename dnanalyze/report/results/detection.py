@@ -12,13 +12,14 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.report.documents import Document
 from dnanalyze.report.figures import filter_tests
 from dnanalyze.report.figures.filter_tests import TITLES
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.pixel_and_neighbours import scatter
 from dnanalyze.report.figures.style import labels
 from dnanalyze.report.figures.suppression import suppression
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.words import (
+    FILTERS,
     celsius,
     is_number,
     listing,
@@ -29,11 +30,6 @@ from dnanalyze.report.words import (
     texts,
 )
 
-KINDS = {
-    "dpc": "defect-pixel correction",
-    "denoise": "spatial denoise",
-    "temporal_denoise": "temporal denoise",
-}
 ESTIMATE = {
     "subkind": ("kind", ""),
     "view": ("applied to the", ""),
@@ -60,11 +56,11 @@ def headline(result: Detection) -> str:
             "No sign of defect-pixel correction or denoise: the frames agree with unfiltered "
             "frames."
         )
-    text = f"Filtered: these frames passed {KINDS.get(result.kind, result.kind)}"
+    text = f"Filtered: these frames passed {FILTERS.get(result.kind, result.kind)}"
     if is_number(result.confidence):
         text += f" ({percent(result.confidence)} confidence)"
     if result.also:
-        text += f"; there are signs of {listing(KINDS.get(k, k) for k in result.also)} too"
+        text += f"; there are signs of {listing(FILTERS.get(k, k) for k in result.also)} too"
     return sentence(text)
 
 
@@ -96,7 +92,7 @@ def _tests(findings: Sequence[Finding], folded: bool = False) -> Table:
     rows = [
         (
             TITLES.get(f.test, f.test.replace("_", " ")),
-            KINDS.get(f.kind, f.kind),
+            FILTERS.get(f.kind, f.kind),
             celsius(f.temperature_c) if is_number(f.temperature_c) else "all",
             f.view,
             probability(f.p_value),

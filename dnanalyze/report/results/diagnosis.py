@@ -11,10 +11,10 @@ from dnanalyze.comparator.rivals import Rivals
 from dnanalyze.diagnosis.results import Candidate, Diagnosis, Refinement
 from dnanalyze.report.documents import Document, coverage, direct, fields_of, level
 from dnanalyze.report.figures.candidates import candidates
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.leads import diagnose_lead
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import comparison as compare
 from dnanalyze.report.sections.front import candidate_layers, front, labels_of
 from dnanalyze.report.sections.model import model_section

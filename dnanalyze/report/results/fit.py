@@ -10,10 +10,10 @@ from dnanalyze.fitting.fit import Fit
 from dnanalyze.report.documents import PARAMETER, Document, direct, fields_of
 from dnanalyze.report.figures.correlations import correlations
 from dnanalyze.report.figures.families import family_plots, simulated
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.page import Page, Section, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.plain import estimate
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections.model import (
     direct_section,
     model_section,

@@ -9,9 +9,9 @@ import pandas as pd
 from dnanalyze.description.pattern import LearnedPattern
 from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.figures.learned_pattern import learned_pattern
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.page import Page, Section, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections.model import model_section
 
 

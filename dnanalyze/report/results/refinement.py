@@ -15,11 +15,11 @@ from dnanalyze.fitting.fit import Parameter
 from dnanalyze.report import words
 from dnanalyze.report.documents import PARAMETER, Document, coverage, direct, fields_of, level
 from dnanalyze.report.figures.families import family_plots, simulated
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.waterfall import waterfall
 from dnanalyze.report.leads import named_effects, refine_lead
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.refinement_stages import Stage, stages
 from dnanalyze.report.results import classification, diagnosis
 from dnanalyze.report.results import comparison as compare

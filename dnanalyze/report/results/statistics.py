@@ -16,12 +16,12 @@ from dnanalyze.report import emva_tables
 from dnanalyze.report.documents import Document, emva_group, point
 from dnanalyze.report.figures.dark_signal import dark_signal
 from dnanalyze.report.figures.families import family_plots
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.sensor_maps import sensor_maps
 from dnanalyze.report.figures.style import layers
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.plain import estimate
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections.front import curves_sections, numbers_section, series_section
 from dnanalyze.report.sections.panels import family_panels
 from dnanalyze.report.significant_structure import (

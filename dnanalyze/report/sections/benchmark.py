@@ -8,8 +8,7 @@ from typing import Any
 from dnanalyze.report.capture_facts import facts
 from dnanalyze.report.figures import benchmark as figures
 from dnanalyze.report.page import Section, Table
-from dnanalyze.report.results.detection import KINDS
-from dnanalyze.report.words import celsius, listing, number, sentence, symbol, with_error
+from dnanalyze.report.words import FILTERS, celsius, listing, number, sentence, symbol, with_error
 
 
 def fairest(result: Any, name: str, at: float | None) -> Any:
@@ -168,7 +167,7 @@ def models(result: Any) -> Section:
     for s in result.sensors:
         kind = "not tested" if s.filtered is None else "no"
         if s.filtered:
-            kind = f"yes: {KINDS.get(s.filter_kind, s.filter_kind)}"
+            kind = f"yes: {FILTERS.get(s.filter_kind, s.filter_kind)}"
         told = (number(s.errors.get(k)) for k in ("gaussian", "paper", "refined"))
         rows.append((s.name, kind, s.verdict or "not refined", *told))
     columns = (
