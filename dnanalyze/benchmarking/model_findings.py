@@ -15,6 +15,7 @@ from dnanalyze.analyzers.streaming import cache
 from dnanalyze.benchmarking.benchmark_value import ABSENT, BenchmarkValue
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.noise_model import NoiseModel
 
 PACKAGE = Path(__file__).parents[1]
 REPLICATES = 8  # simulated sensors that tell the error of the gain
@@ -148,7 +149,7 @@ def _refined(
     return errors | {"refined": result.steps[-1].error}, result
 
 
-def strengths(model: Any) -> list[Strength]:
+def strengths(model: NoiseModel) -> list[Strength]:
     """Each effect of a model with its numbers at the model's reference."""
     made = []
     for effect in model.effects:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from dnanalyze.classifier.result import Classification
 from dnanalyze.report.figures.colour_bar import bar_cell
 from dnanalyze.report.figures.shading import COLOURS, draw_shading
 from dnanalyze.report.figures.style import Cell, Picture, panels
@@ -13,7 +12,7 @@ from dnanalyze.report.figures.style import Cell, Picture, panels
 GAP = 2  # pixels between patches
 
 
-def classifier_patches(result: Any) -> Picture | None:
+def classifier_patches(result: Classification) -> Picture | None:
     """Patches of the operating point and kind of picture that tell most; None without any."""
     told = result.patches
     if told is None:

@@ -6,18 +6,20 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.description.look import Look
+from dnanalyze.description.pattern import LearnedPattern
 from dnanalyze.report.figures.shading import draw_shading
 from dnanalyze.report.figures.style import INK, MODEL, Cell, Picture, panels
 
 
-def draw_profile(ax: Any, look: Any) -> Any:
+def draw_profile(ax: Any, look: Look) -> Any:
     """Mean of the map along the geometry."""
     ax.plot(look.x, look.y, color=INK, linewidth=1.2)
     ax.set(xlabel=look.along, ylabel=look.title.split("[")[-1].join(("[", "")) or "DN")
     return ax
 
 
-def draw_law(ax: Any, look: Any) -> Any:
+def draw_law(ax: Any, look: Look) -> Any:
     """Size at every operating point with its standard error, and by the law."""
     x = draw_sizes(ax, look)
     order = np.argsort(x, kind="stable")
@@ -27,7 +29,7 @@ def draw_law(ax: Any, look: Any) -> Any:
     return ax
 
 
-def draw_sizes(ax: Any, found: Any) -> np.ndarray:
+def draw_sizes(ax: Any, found: Look | LearnedPattern) -> np.ndarray:
     """Sizes at the operating points with their standard errors, and where they were drawn."""
     warm = [p.temperature_c for p in found.points]
     known = None not in warm and len(set(warm)) > 1
@@ -46,7 +48,7 @@ def map_cell(field: np.ndarray, limit: float, title: str) -> Cell:
     return Cell(lambda ax: draw_shading(ax, field, limit), 2.7, tall + 0.3, title=title)
 
 
-def description(look: Any) -> Picture | None:
+def description(look: Look | None) -> Picture | None:
     """The three panels; None where nothing was found."""
     if look is None:
         return None

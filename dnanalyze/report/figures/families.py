@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache, partial
-from typing import Any
 
+from dnanalyze.channels.refinement import ChannelRefinement
+from dnanalyze.diagnosis.results import Refinement
+from dnanalyze.fitting.fit import Fit
 from dnanalyze.report.figures import (
     code_use,
     distribution,
@@ -51,7 +53,7 @@ def _one(figure: Figure, drawn: Callable[[], Sequence[Layer]]) -> object:
     return figure(drawn())
 
 
-def simulated(result: Any) -> Sequence[Layer]:
+def simulated(result: Fit | Refinement | ChannelRefinement) -> Sequence[Layer]:
     """The held-out data beside a simulation of the model, of a result that has both."""
     return layers(
         result.problem.measured[1], result.problem.statistics(result.model, errors=True)[1]

@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.description.pattern import LearnedPattern
 from dnanalyze.report.figures.description import draw_sizes, map_cell
 from dnanalyze.report.figures.style import Cell, Picture, panels
 
 MAX_MAP_SIDE = 192  # rows and columns of the map that are drawn
 
 
-def learned_pattern(result: Any) -> Picture | None:
+def learned_pattern(result: LearnedPattern) -> Picture | None:
     """Map and sizes; None where no pattern was learned."""
     field = result.effect.map.array
     if not field.any():

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.style import (
     Cell,
     Layer,
@@ -30,7 +31,9 @@ SIDES = ("column", "row")
 PARTS = {"pattern": "DSNU", "temporal": "temporal noise", "frame": "single frame"}
 
 
-def draw_profile(ax: Any, drawn: Sequence[Layer], setting: Any, side: str = "column") -> Any:
+def draw_profile(
+    ax: Any, drawn: Sequence[Layer], setting: SettingStatistics, side: str = "column"
+) -> Any:
     """Means of the columns (or rows) along the sensor; a Gaussian's say nothing."""
     for layer in shown_layers(drawn):
         found = curve(layer.like(setting), f"{side}_mean")
@@ -47,7 +50,11 @@ def draw_profile(ax: Any, drawn: Sequence[Layer], setting: Any, side: str = "col
 
 
 def draw_line_spectrum(
-    ax: Any, drawn: Sequence[Layer], setting: Any, side: str = "column", part: str = "pattern"
+    ax: Any,
+    drawn: Sequence[Layer],
+    setting: SettingStatistics,
+    side: str = "column",
+    part: str = "pattern",
 ) -> Any:
     """Power spectrum of the column (or row) means, in units of a pixel's variance."""
     for layer in drawn:

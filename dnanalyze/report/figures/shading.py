@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.colour_bar import bar_cell
 from dnanalyze.report.figures.style import (
     Cell,
@@ -31,7 +32,9 @@ def draw_shading(ax: Any, field: np.ndarray, limit: float) -> Any:
     return unframed(ax)
 
 
-def fields(drawn: Sequence[Layer], setting: Any) -> tuple[dict[str, np.ndarray], float]:
+def fields(
+    drawn: Sequence[Layer], setting: SettingStatistics
+) -> tuple[dict[str, np.ndarray], float]:
     """Measured, model and residual by name, DN, and the limit of their common colour scale."""
     found = {k.label: _map(k.like(setting)) for k in shown_layers(drawn)}
     known = {name: field for name, field in found.items() if field is not None}
@@ -53,7 +56,9 @@ def maps(drawn: Sequence[Layer], most: int = 2) -> list[Picture | None]:
     ]
 
 
-def _row(drawn: Sequence[Layer], setting: Any, title: str, note: str) -> Picture | None:
+def _row(
+    drawn: Sequence[Layer], setting: SettingStatistics, title: str, note: str
+) -> Picture | None:
     found, limit = fields(drawn, setting)
 
     def cell(name: str, field: np.ndarray) -> Cell:
@@ -73,7 +78,7 @@ def _row(drawn: Sequence[Layer], setting: Any, title: str, note: str) -> Picture
     )
 
 
-def _map(setting: Any) -> np.ndarray | None:
+def _map(setting: SettingStatistics | None) -> np.ndarray | None:
     found = curve(setting, "block_means")
     if found is None or found[0].ndim != 2:
         return None

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.colour_bar import bar_cell
 from dnanalyze.report.figures.style import (
     Cell,
@@ -27,7 +28,7 @@ WIDEST = 90  # columns of half a plane that a panel can show
 BAR = "power / median power [dB]"
 
 
-def draw_plane(ax: Any, setting: Any, part: str = "pattern") -> Any:
+def draw_plane(ax: Any, setting: SettingStatistics | None, part: str = "pattern") -> Any:
     """Power over horizontal (u) and vertical (v) frequency, dB about its median.
 
     Parameters
@@ -79,7 +80,7 @@ def planes(drawn: Sequence[Layer]) -> Picture | None:
     )
 
 
-def _plane(setting: Any, part: str) -> np.ndarray | None:
+def _plane(setting: SettingStatistics | None, part: str) -> np.ndarray | None:
     """The plane in dB about its median, from -1/2 to 1/2 in both directions, ends included.
 
     Kept is the half u >= 0; the other is the same turned by 180 degrees.

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers.statistics import SettingStatistics
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.report.figures.distribution import draw_histogram
 from dnanalyze.report.figures.spectrum import PARTS, draw_spectrum, names_of, pooled
 from dnanalyze.report.figures.style import (
@@ -38,7 +38,7 @@ WARMTH = ["#2f7fd6", "#7d6bd8", "#c0519f", "#dd5a5a", "#e08a1e"]
 DASHES = "-", (0, (4, 1.6))  # measured, model
 
 
-def parts_of(measured: Any) -> list[str]:
+def parts_of(measured: Statistics) -> list[str]:
     """The parts whose spectra the frames can tell: DSNU and temporal noise, else a single frame."""
     some = [p for p in PARTS if main_run(measured, has(*names_of(p, True)))]
     return [p for p in some if p != "frame"] if "pattern" in some else some

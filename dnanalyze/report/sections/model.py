@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
+from dnanalyze.diagnosis.results import Diagnosis, Refinement
+from dnanalyze.fitting.fit import Fit, Parameter
+from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.words import (
     DIRECT,
@@ -19,10 +22,11 @@ from dnanalyze.report.words import (
     varied,
 )
 
+Entry = tuple[str, Any, tuple[str, str]]  # name, law, (unit, meaning)
 SIDE_BY_SIDE = 6  # operating points that stand side by side
 
 
-def model_section(model: Any, parameters: Sequence[Any] = ()) -> Section:
+def model_section(model: NoiseModel | None, parameters: Sequence[Parameter] = ()) -> Section:
     """Every parameter with its value, unit and operating point; empty without a model.
 
     Parameters
@@ -58,7 +62,7 @@ def model_section(model: Any, parameters: Sequence[Any] = ()) -> Section:
     )
 
 
-def _entries(model: Any) -> Any:
+def _entries(model: NoiseModel) -> Iterator[Entry]:
     """Name, law and description of every parameter."""
     yield "pedestal", model.pedestal, ("DN", "black level")
     for effect in model.chain:
@@ -77,7 +81,7 @@ def _names(name: str, law: Any) -> list[str]:
     return [name, f"{name}.ea_ev"] if hasattr(law, "ea_ev") else [name]
 
 
-def _value(value: Any, name: str, known: dict[str, Any]) -> str:
+def _value(value: Any, name: str, known: dict[str, Parameter]) -> str:
     found = known.get(name)
     if found is not None:
         return parameter_value(found)
@@ -85,7 +89,7 @@ def _value(value: Any, name: str, known: dict[str, Any]) -> str:
 
 
 def _fixed(
-    name: str, law: Any, about: tuple[str, str], known: dict[str, Any]
+    name: str, law: Any, about: tuple[str, str], known: dict[str, Parameter]
 ) -> tuple[str, ...] | None:
     """The row of a parameter that is one number, or an Arrhenius law."""
     if _table(law):
@@ -99,7 +103,7 @@ def _fixed(
     return name, _value(law.value, name, known), symbol(unit), at, doc
 
 
-def _by_point(entries: Sequence[tuple[str, Any, Any]], known: dict[str, Any]) -> list[Table]:
+def _by_point(entries: Sequence[Entry], known: dict[str, Parameter]) -> list[Table]:
     """Parameters with a value an operating point; side by side where they are few."""
     made: dict[tuple[Any, ...], list[tuple[str, ...]]] = {}
     for name, law, (unit, _) in entries:
@@ -124,7 +128,7 @@ def _by_point(entries: Sequence[tuple[str, Any, Any]], known: dict[str, Any]) ->
     return tables
 
 
-def direct_section(result: Any) -> list[Section]:
+def direct_section(result: Fit | Diagnosis | Refinement) -> list[Section]:
     """What the frames determine without a model, beside the model's; nothing where they do not."""
     rows = direct_rows(result)
     if not rows:
@@ -134,7 +138,7 @@ def direct_section(result: Any) -> list[Section]:
     return [Section("direct", "Model and direct measurement", tables=[made])]
 
 
-def parameters_section(title: str, result: Any) -> Section:
+def parameters_section(title: str, result: Fit | Refinement) -> Section:
     """The fitted numbers in the terminal, each with its unit and its operating point."""
     rows, common = parameter_rows(result)
     told = any(at for *_, at in rows)
@@ -144,8 +148,8 @@ def parameters_section(title: str, result: Any) -> Section:
     return Section("parameters", title, tables=[table], paged=False)
 
 
-def undetermined_section(result: Any) -> Section:
+def undetermined_section(result: Fit | Refinement) -> Section:
     """What the captures do not determine, in the terminal."""
-    said = list(getattr(result, "undetermined", []))
+    said = list(result.undetermined)
     title = "Not determined from these captures"
     return Section("undetermined", title, points=said, most=6, paged=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures import (
     code_use,
     distribution,
@@ -277,7 +278,7 @@ def measured(layer: Layer, family: str) -> Table | None:
     )
 
 
-def _value(setting: Any, name: str) -> str:
+def _value(setting: SettingStatistics, name: str) -> str:
     found = setting.values.get(name)
     if found is None:
         return "–"
