@@ -21,7 +21,6 @@ from dnanalyze_cli.commands import (
     add,
     analyze,
     benchmark,
-    channels,
     check,
     compare,
     demo,
@@ -31,7 +30,6 @@ from dnanalyze_cli.commands import (
     effects,
     export,
     fit,
-    hdr,
     inspect,
     refine,
     simulate,
@@ -65,7 +63,7 @@ for panel, commands in {
 }.items():
     for command in commands:
         app.command(rich_help_panel=panel, no_args_is_help=False)(command)
-for command in (channels.channels, hdr.hdr):  # earlier names of `refine` and `compare --combine`
+for command in (refine.channels, compare.hdr):  # earlier names of `refine` and `compare --combine`
     app.command(hidden=True)(command)
 
 # The base of every usage error; Typer carries its own copy of Click, so it is found through Typer.

@@ -1,7 +1,8 @@
-"""``dnanalyze compare``: the model beside the measurement."""
+"""``dnanalyze compare``: the model beside the measurement; ``hdr``: the same of combined frames."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from dnanalyze.errors import InputError
@@ -68,3 +69,16 @@ def compare(
 
     more = {} if judged is None else {"classifier": classification.body(judged)}
     session.finish(comparison, page, more)
+
+
+@takes(ModelOptions)
+def hdr(
+    options: ModelOptions,
+    combine: Annotated[Path, option("--combine HDR.yaml")],
+    light: Light = 0.0,
+    simulated: CombinedOut = None,
+    force: Force = False,
+) -> None:
+    """Compare combined HDR frames with the models of their channels."""
+    session = options.session("hdr")
+    combined_frames.compare(session, options, combine, light, simulated, force)

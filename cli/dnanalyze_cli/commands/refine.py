@@ -1,4 +1,4 @@
-"""``dnanalyze refine``: diagnose and add until nothing more is missing."""
+"""``dnanalyze refine``: diagnose and add until nothing more is missing; ``channels`` by channel."""
 
 from __future__ import annotations
 
@@ -128,3 +128,20 @@ def refine(
             text = shlex.join([*line, "--time-limit", f"{budget:g}"])
             session.console.print(f"To continue the search: {text}", style="dim", soft_wrap=True)
         session.finish(result, more=more)
+
+
+@takes(ModelOptions)
+def channels(options: ModelOptions, output: ModelOut = None) -> None:
+    """Refine each HDR channel; separate effects of the pixel from those of the readout."""
+    from dnanalyze.channels.refinement import by_channel, refine_channels
+    from dnanalyze_cli import channel_commands
+
+    session = options.session("channels", output=output)
+    known = session.known()
+    found, own = options.begin(session)
+    by_channel(found)  # refuses captures without
+    channel_commands.run_over_channels(
+        session,
+        found,
+        lambda progress: refine_channels(found, own, effects=known, progress=progress),
+    )
