@@ -19,7 +19,7 @@ from unittest.mock import patch
 import numpy as np
 
 from dnanalyze.checking.check import check
-from dnanalyze.checking.check_bench import CheckBench
+from dnanalyze.checking.check_data import CheckData
 from dnanalyze.checking.margins import propose
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
@@ -75,8 +75,8 @@ def tally(number: int, seeds: int) -> Tally:
     captures = drawn(model)
     targets = propose(captures, replace(model, seed=model.seed + 1))
     failed, broken = 0, []
-    once = CheckBench(captures, captures, model).measured  # not read anew for every seed
-    with patch.object(CheckBench, "measured", once):
+    once = CheckData(captures, captures, model).measured  # not read anew for every seed
+    with patch.object(CheckData, "measured", once):
         for k in range(seeds):
             result = check(captures, targets, replace(model, seed=model.seed + 100 + k))
             failed += not result.passed

@@ -237,7 +237,7 @@ def one(name: str, seed: int, models: Path | None) -> dict[str, Any]:
     if kept is not None and kept.exists():
         model = dnanalyze.load_model(kept)
     else:
-        model = dnanalyze.refine(frames, max_effects=0).model
+        model = dnanalyze.refine(frames, limits=dnanalyze.SearchLimits(max_effects=0)).model
         if kept is not None:
             kept.write_text(dnanalyze.dump_model(model))
     middle = time.perf_counter()

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from dnanalyze.detection.results import Detection
     from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose
     from dnanalyze.diagnosis.refine import Refinement, add, refine
+    from dnanalyze.diagnosis.stepwise import SearchLimits
     from dnanalyze.errors import InputError
     from dnanalyze.estimate import Estimate
     from dnanalyze.fitting.fit import Fit, fit
@@ -71,6 +72,7 @@ __all__ = [
     "NoiseModel",
     "OperatingPoint",
     "Refinement",
+    "SearchLimits",
     "Site",
     "Stage",
     "Statistics",
@@ -121,6 +123,7 @@ _HOME = {
     "dnanalyze.detection.results": ("Detection",),
     "dnanalyze.diagnosis.diagnose": ("Diagnosis", "diagnose"),
     "dnanalyze.diagnosis.refine": ("Refinement", "add", "refine"),
+    "dnanalyze.diagnosis.stepwise": ("SearchLimits",),
     "dnanalyze.errors": ("InputError",),
     "dnanalyze.estimate": ("Estimate",),
     "dnanalyze.fitting.fit": ("Fit", "fit"),

@@ -18,7 +18,7 @@ from dnanalyze.diagnosis.refine import Refinement, refine
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
-from dnanalyze.report.stages import stages
+from dnanalyze.report.refinement_stages import stages
 
 OUT = Path(__file__).resolve().parent / "figures" / "story.png"
 HIDDEN, SEED, SHAPE, FRAMES = "column_fpn", 1, (256, 256), 6  # as `dnanalyze demo` has them

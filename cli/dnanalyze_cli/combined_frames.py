@@ -36,8 +36,8 @@ def compare(
     from dnanalyze.model.channel_models import channels_of, require
     from dnanalyze.model.hdr import noise_steps, simulate_combined
     from dnanalyze.model.hdr_file import load_combination
-    from dnanalyze.report import capture
-    from dnanalyze.report.files import atomic_folder, check_folder
+    from dnanalyze.report import capture_facts
+    from dnanalyze.report.output_files import atomic_folder, check_folder
     from dnanalyze.report.plain import document
     from dnanalyze.report.words import closeness, number, sentence
 
@@ -64,7 +64,7 @@ def compare(
             lambda level: simulate_combined(own, how, shape, [(first, 2)], light=level), how
         )
     console = session.console
-    console.print(Text(capture.one_line(found), style="dim"))
+    console.print(Text(capture_facts.one_line(found), style="dim"))
     verdict = sentence(f"Model error {number(result.error)}: {closeness(result.error)}")
     console.print(Text(verdict, style="bold"))
     for failure in result.failures[:6]:

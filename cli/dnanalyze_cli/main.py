@@ -21,7 +21,6 @@ from dnanalyze_cli.commands import (
     add,
     analyze,
     benchmark,
-    channels,
     check,
     compare,
     demo,
@@ -31,14 +30,13 @@ from dnanalyze_cli.commands import (
     effects,
     export,
     fit,
-    hdr,
     inspect,
     refine,
     simulate,
     workbench,
 )
-from dnanalyze_cli.stopped import INTERRUPTED, TERMINATED, Stopped, end_on_sigterm
-from dnanalyze_cli.warned import Told
+from dnanalyze_cli.short_warnings import ShortWarnings
+from dnanalyze_cli.termination import INTERRUPTED, TERMINATED, Stopped, end_on_sigterm
 
 app = typer.Typer(
     name="dnanalyze",
@@ -65,7 +63,7 @@ for panel, commands in {
 }.items():
     for command in commands:
         app.command(rich_help_panel=panel, no_args_is_help=False)(command)
-for command in (channels.channels, hdr.hdr):  # earlier names of `refine` and `compare --combine`
+for command in (refine.channels, compare.hdr):  # earlier names of `refine` and `compare --combine`
     app.command(hidden=True)(command)
 
 # The base of every usage error; Typer carries its own copy of Click, so it is found through Typer.
@@ -132,7 +130,7 @@ def run() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # its encoding may lack ° or σ
             stream.reconfigure(errors="replace")
-    warnings.showwarning = Told()
+    warnings.showwarning = ShortWarnings()
     code = main()
     try:
         sys.stdout.flush()

@@ -16,215 +16,150 @@ if TYPE_CHECKING:
     from dnanalyze.model.noise_model import NoiseModel
     from dnanalyze_cli.session import Session
 
-_FILES, _READING, _RUN = "Results", "Reading the captures", "The run"
-_HDR = "Combined HDR frames"
+FILES, READING, RUN = "Results", "Reading the captures", "The run"
+HDR = "Combined HDR frames"
+
+
+def option(usage: str, help: str = "", panel: str | None = None, **more: Any) -> Any:
+    """An option as its users read it.
+
+    Parameters
+    ----------
+    usage : str
+        Its names, then what stands for its value: ``"-o --output M.yaml"``.
+    help : str
+    panel : str, optional
+        Heading in the help.
+    more
+        Of `typer.Option`.
+    """
+    words = usage.split()
+    names = [w for w in words if w.startswith("-")]
+    value = " ".join(words[len(names) :]) or None
+    return typer.Option(*names, metavar=value, rich_help_panel=panel, help=help, **more)
+
 
 Captures = Annotated[
     str, typer.Argument(metavar="CAPTURES", help="Folder of dark frames.", show_default=False)
 ]
-Json = Annotated[
-    Path | None,
-    typer.Option(
-        "--json", metavar="OUT.json", rich_help_panel=_FILES, help="Results as JSON; - prints them."
-    ),
-]
+Json = Annotated[Path | None, option("--json OUT.json", "Results as JSON; - prints them.", FILES)]
 Report = Annotated[
-    Path | None,
-    typer.Option(
-        "--report",
-        metavar="OUT.html",
-        rich_help_panel=_FILES,
-        help="Report, one HTML file; - prints it.",
-    ),
+    Path | None, option("--report OUT.html", "Report, one HTML file; - prints it.", FILES)
 ]
-Csv = Annotated[
-    Path | None,
-    typer.Option(
-        "--csv", metavar="OUT.csv", rich_help_panel=_FILES, help="Results as a table; - prints it."
-    ),
-]
+Csv = Annotated[Path | None, option("--csv OUT.csv", "Results as a table; - prints it.", FILES)]
 Config = Annotated[
     Path | None,
-    typer.Option(
-        "--sidecar",
-        "--config",
-        metavar="SIDE.yaml",
-        rich_help_panel=_READING,
-        help="Sidecar file with what the frames do not state: raw layout, names, metadata.",
+    option(
+        "--sidecar --config SIDE.yaml",
+        "Sidecar file with what the frames do not state: raw layout, names, metadata.",
+        READING,
     ),
 ]
 Tolerance = Annotated[
     float | None,
-    typer.Option(
-        "--tolerance-c",
-        metavar="C",
+    option(
+        "--tolerance-c C",
+        "Frames whose temperatures span at most C share an operating point; default 1.5 °C.",
+        READING,
         min=0.0,
-        rich_help_panel=_READING,
-        help="Frames whose temperatures span at most C share an operating point; default 1.5 °C.",
     ),
 ]
 Channel = Annotated[
-    str | None,
-    typer.Option(
-        "--channel",
-        metavar="NAME",
-        rich_help_panel=_READING,
-        help="Only this HDR readout channel; default: all.",
-    ),
+    str | None, option("--channel NAME", "Only this HDR readout channel; default: all.", READING)
 ]
 KeepOutliers = Annotated[
     bool,
-    typer.Option(
+    option(
         "--keep-outliers",
-        rich_help_panel=_READING,
-        help="Keep frames unlike the others of their operating point; default: left out.",
+        "Keep frames unlike the others of their operating point; default: left out.",
+        READING,
     ),
 ]
 Mask = Annotated[
     Path | None,
-    typer.Option(
-        "--mask",
-        metavar="FILE",
-        rich_help_panel=_READING,
-        help="Pixels to leave out, those that are not 0: .npy, .fits, .h5, .png or .tif.",
+    option(
+        "--mask FILE",
+        "Pixels to leave out, those that are not 0: .npy, .fits, .h5, .png or .tif.",
+        READING,
     ),
 ]
 SystemGain = Annotated[
     float | None,
-    typer.Option(
-        "--system-gain",
-        metavar="K",
-        rich_help_panel=_READING,
-        help="Overall system gain K, DN/e⁻; default: recorded, else photon transfer in the dark.",
+    option(
+        "--system-gain K",
+        "Overall system gain K, DN/e⁻; default: recorded, else photon transfer in the dark.",
+        READING,
     ),
 ]
 EffectFiles = Annotated[
     list[Path] | None,
-    typer.Option(
-        "--effects",
-        metavar="FILE.py",
-        rich_help_panel=_RUN,
-        help="Python file with user-defined effects (repeatable).",
-    ),
+    option("--effects FILE.py", "Python file with user-defined effects (repeatable).", RUN),
 ]
 Seed = Annotated[
-    int | None,
-    typer.Option(
-        "--seed",
-        min=0,
-        rich_help_panel=_RUN,
-        help="Seed of the simulated sensor; default: the model's.",
-    ),
+    int | None, option("--seed", "Seed of the simulated sensor; default: the model's.", RUN, min=0)
 ]
-Quiet = Annotated[
-    bool, typer.Option("--quiet", "-q", rich_help_panel=_RUN, help="No progress, no notes.")
-]
+Quiet = Annotated[bool, option("--quiet -q", "No progress, no notes.", RUN)]
 Scheduler = Annotated[
     str | None,
-    typer.Option(
-        "--scheduler",
-        metavar="ADDRESS|local",
-        rich_help_panel=_RUN,
-        help="Dask workers do the work: of analyze they read the frames, and an interrupted run "
+    option(
+        "--scheduler ADDRESS|local",
+        "Dask workers do the work: of analyze they read the frames, and an interrupted run "
         "continues where it stopped.",
+        RUN,
     ),
 ]
 NoCache = Annotated[
-    bool,
-    typer.Option(
-        "--no-cache", rich_help_panel=_RUN, help="Do not use or store statistics of earlier runs."
-    ),
+    bool, option("--no-cache", "Do not use or store statistics of earlier runs.", RUN)
 ]
 Model = Annotated[
-    Path | None,
-    typer.Option(
-        "--model",
-        metavar="M.yaml",
-        rich_help_panel=_RUN,
-        help="Model file; default: the Wang 2025 model.",
-    ),
+    Path | None, option("--model M.yaml", "Model file; default: the Wang 2025 model.", RUN)
 ]
 ModelOut = Annotated[
-    Path | None,
-    typer.Option(
-        "-o",
-        "--output",
-        metavar="M.yaml",
-        rich_help_panel=_FILES,
-        help="The new model file; - prints it.",
-    ),
+    Path | None, option("-o --output M.yaml", "The new model file; - prints it.", FILES)
 ]
 
 Force = Annotated[
     bool,
-    typer.Option(
+    option(
         "--force",
-        rich_help_panel=_FILES,
-        help="Replace what may hold work of yours: frames, effect files, maps, targets. Other "
+        "Replace what may hold work of yours: frames, effect files, maps, targets. Other "
         "results are replaced in any case.",
+        FILES,
     ),
 ]
 Combine = Annotated[
     Path | None,
-    typer.Option(
-        "--combine",
-        metavar="HDR.yaml",
-        rich_help_panel=_HDR,
-        help="The captures are combined HDR frames: how the channels of --model become one output.",
+    option(
+        "--combine HDR.yaml",
+        "The captures are combined HDR frames: how the channels of --model become one output.",
+        HDR,
         show_default=False,
     ),
 ]
 Light = Annotated[
-    float,
-    typer.Option(
-        "--light",
-        metavar="DN",
-        min=0.0,
-        rich_help_panel=_HDR,
-        help="Uniform light, DN of the first channel.",
-    ),
+    float, option("--light DN", "Uniform light, DN of the first channel.", HDR, min=0.0)
 ]
 CombinedOut = Annotated[
-    Path | None,
-    typer.Option(
-        "--simulate",
-        metavar="OUT",
-        rich_help_panel=_HDR,
-        help="Also write the simulated combined frames, TIFF.",
-    ),
+    Path | None, option("--simulate OUT", "Also write the simulated combined frames, TIFF.", HDR)
 ]
 
-FILES = _FILES
 STEER = "When to stop"
 Exclude = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--exclude",
-        metavar="EFFECT",
-        rich_help_panel=STEER,
-        help="Never add this effect (repeatable).",
-    ),
+    list[str] | None, option("--exclude EFFECT", "Never add this effect (repeatable).", STEER)
 ]
 
 Budget = Annotated[
     float | None,
-    typer.Option(
-        "--time-limit",
-        "--budget",
-        metavar="SECONDS",
+    option(
+        "--time-limit --budget SECONDS",
+        "End the search after so many seconds, with the best model so far.",
+        STEER,
         min=0.0,
-        rich_help_panel=STEER,
-        help="End the search after so many seconds, with the best model so far.",
     ),
 ]
 
 NoDescribe = Annotated[
-    bool,
-    typer.Option(
-        "--no-describe",
-        rich_help_panel=STEER,
-        help="Do not describe the unexplained residual.",
-    ),
+    bool, option("--no-describe", "Do not describe the unexplained residual.", STEER)
 ]
 
 Options = TypeVar("Options")

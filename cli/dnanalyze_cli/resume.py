@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dnanalyze_cli.stopped import INTERRUPTED, TERMINATED, Stopped
+from dnanalyze_cli.termination import INTERRUPTED, TERMINATED, Stopped
 
 if TYPE_CHECKING:
     from dnanalyze.diagnosis.refine import Refinement

@@ -11,7 +11,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from dnanalyze.errors import InputError
-from dnanalyze.report.files import check_output, write_together
+from dnanalyze.report.output_files import check_output, write_together
 
 if TYPE_CHECKING:
     from rich.console import Console

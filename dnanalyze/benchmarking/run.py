@@ -8,10 +8,10 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from dnanalyze.benchmarking.benchmark_value import ABSENT, BenchmarkValue
 from dnanalyze.benchmarking.criteria import CRITERIA, ERRORS, SINGLE, Criterion
-from dnanalyze.benchmarking.figure import ABSENT, Figure
-from dnanalyze.benchmarking.laws import common_temperatures, estimate
-from dnanalyze.benchmarking.record import ELECTRON, SensorRecord, record, record_alone
+from dnanalyze.benchmarking.sensor_record import ELECTRON, SensorRecord, record, record_alone
+from dnanalyze.benchmarking.temperature_laws import common_temperatures, estimate
 from dnanalyze.errors import InputError
 from dnanalyze.executors import in_order
 from dnanalyze.loaders.captures import CaptureSet
@@ -23,7 +23,7 @@ DISTINCT_ERRORS = 2.0  # standard errors of a difference, from which two sensors
 
 
 @dataclass(frozen=True)
-class Placed:
+class RankingPlace:
     """A sensor's place under a criterion.
 
     Without a rank are figures that are not to be believed, or compared: those of a filtered output,
@@ -32,7 +32,7 @@ class Placed:
     Parameters
     ----------
     sensor : str
-    figure : Figure
+    figure : BenchmarkValue
     rank : int or None
         1 + the number of sensors that are better by more than two standard errors.
     alike : tuple of str
@@ -40,7 +40,7 @@ class Placed:
     """
 
     sensor: str
-    figure: Figure
+    figure: BenchmarkValue
     rank: int | None
     alike: tuple[str, ...] = ()
 
@@ -57,7 +57,7 @@ class Ranking:
         Where they are compared; None where the figure does not run with temperature.
     better : str
         "low", "high" or "".
-    places : list of Placed
+    places : list of RankingPlace
         Best first; then those without a rank, without a figure last.
     """
 
@@ -66,14 +66,14 @@ class Ranking:
     unit: str
     temperature_c: float | None
     better: str
-    places: list[Placed]
+    places: list[RankingPlace]
 
     @property
     def base(self) -> str:
         """The criterion, whatever the unit."""
         return self.criterion.removesuffix("_e").removesuffix("_area")
 
-    def of(self, sensor: str) -> Figure:
+    def of(self, sensor: str) -> BenchmarkValue:
         """A sensor's figure."""
         return next((p.figure for p in self.places if p.sensor == sensor), ABSENT)
 
@@ -212,20 +212,22 @@ def side_by_side(
             rankings.append(_rank(replace(criterion, name=form, unit=unit), None, sensors, figures))
     for criterion in ERRORS:
         kind = criterion.name.removeprefix("error_")
-        figures = [Figure(s.errors[kind], 0.0) if kind in s.errors else ABSENT for s in sensors]
+        figures = [
+            BenchmarkValue(s.errors[kind], 0.0) if kind in s.errors else ABSENT for s in sensors
+        ]
         rankings.append(_rank(criterion, None, sensors, figures))
     told = [r for r in rankings if any(p.figure.known for p in r.places)]
     return BenchmarkResult(list(sensors), common, told, _notes(sensors, common, ranges))
 
 
-def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> Figure:
+def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> BenchmarkValue:
     """Measured there, else by the sensor's own law."""
     readings = sensor.readings[criterion.name]
     one_frame = any(r.statistic in criterion.statistics[1:] for r in readings)
     there = [r for r in readings if abs(r.temperature_c - celsius) < 0.5 and r.value > 0]
     if there:
         nearest = min(there, key=lambda r: abs(r.temperature_c - celsius))
-        return Figure(nearest.value, nearest.se, "measured there", one_frame)
+        return BenchmarkValue(nearest.value, nearest.se, "measured there", one_frame)
     estimated = estimate(readings, celsius, criterion.floor)
     if estimated is None:
         why = (
@@ -233,22 +235,22 @@ def _at(sensor: SensorRecord, criterion: Criterion, celsius: float) -> Figure:
             if readings
             else "not determined from these captures"
         )
-        return Figure(math.nan, math.nan, why)
+        return BenchmarkValue(math.nan, math.nan, why)
     low, high = readings[0].temperature_c, readings[-1].temperature_c
     if estimated.outside_c > EXTRAPOLATION * (high - low):
         why = f"measured from {low:g} to {high:g} C alone, too far away for its law"
-        return Figure(math.nan, math.nan, why)
+        return BenchmarkValue(math.nan, math.nan, why)
     note = "by its law"
     if estimated.outside_c > 0.5:
         note = f"extrapolated by {estimated.outside_c:.0f} C"
     if estimated.cost > 1.5:
         note += f"; the error is {estimated.cost:.1f} times that of its own nearest measurement"
-    return Figure(estimated.value, estimated.se, note, one_frame)
+    return BenchmarkValue(estimated.value, estimated.se, note, one_frame)
 
 
 def _forms(
     criterion: Criterion, sensors: Sequence[SensorRecord]
-) -> Iterator[tuple[str, str, Callable[[SensorRecord, Figure], Figure]]]:
+) -> Iterator[tuple[str, str, Callable[[SensorRecord, BenchmarkValue], BenchmarkValue]]]:
     """The figure in DN, in electrons, and per area: (name, unit, conversion)."""
     yield criterion.name, criterion.unit, lambda s, f: f
     if criterion.electrons and any(s.dn_per_e.known for s in sensors):
@@ -257,22 +259,22 @@ def _forms(
         yield f"{criterion.name}_area", "pA/cm^2", _per_area
 
 
-def _electrons(sensor: SensorRecord, figure: Figure) -> Figure:
+def _electrons(sensor: SensorRecord, figure: BenchmarkValue) -> BenchmarkValue:
     """DN over the conversion gain, its error included."""
     k = sensor.dn_per_e
     if not k.known or not figure.known:
         why = figure.note if k.known else "its conversion gain is not known"
-        return Figure(math.nan, math.nan, why)
+        return BenchmarkValue(math.nan, math.nan, why)
     value = figure.value / k.value
     se = math.hypot(figure.se / k.value, value * k.se / k.value)
     return replace(figure, value=value, se=se)
 
 
-def _per_area(sensor: SensorRecord, figure: Figure) -> Figure:
+def _per_area(sensor: SensorRecord, figure: BenchmarkValue) -> BenchmarkValue:
     """Current density, pA/cm^2."""
     electrons, area = _electrons(sensor, figure), sensor.pixel_area_cm2
     if area is None:
-        return Figure(math.nan, math.nan, "its pixel pitch is not known")
+        return BenchmarkValue(math.nan, math.nan, "its pixel pitch is not known")
     factor = ELECTRON / area * 1e12
     return replace(electrons, value=electrons.value * factor, se=electrons.se * factor)
 
@@ -281,7 +283,7 @@ def _rank(
     criterion: Criterion,
     celsius: float | None,
     sensors: Sequence[SensorRecord],
-    figures: Sequence[Figure],
+    figures: Sequence[BenchmarkValue],
 ) -> Ranking:
     """Best first; what the printed errors do not tell apart shares a rank."""
     doubts = [
@@ -292,10 +294,10 @@ def _rank(
     sign = -1.0 if criterion.better == "high" else 1.0
     known = [(name, figure) for name, figure, doubt in entries if figure.known and not doubt]
     known.sort(key=lambda p: sign * p[1].value)
-    places = [Placed(name, figure, None) for name, figure in known]
+    places = [RankingPlace(name, figure, None) for name, figure in known]
     if criterion.better:
         places = [
-            Placed(
+            RankingPlace(
                 name,
                 figure,
                 1 + sum(_told_apart(other, figure) for _, other in known[:i]),
@@ -305,14 +307,14 @@ def _rank(
         ]
     for name, figure, doubt in entries:
         if figure.known and doubt:
-            places.append(Placed(name, replace(figure, note=f"{figure.note}; {doubt}"), None))
-    places += [Placed(n, f, None) for n, f, _ in entries if not f.known]
+            places.append(RankingPlace(name, replace(figure, note=f"{figure.note}; {doubt}"), None))
+    places += [RankingPlace(n, f, None) for n, f, _ in entries if not f.known]
     return Ranking(
         criterion.name, criterion.title, criterion.unit, celsius, criterion.better, places
     )
 
 
-def _doubt(sensor: SensorRecord, figure: Figure, figures: Sequence[Figure]) -> str:
+def _doubt(sensor: SensorRecord, figure: BenchmarkValue, figures: Sequence[BenchmarkValue]) -> str:
     """Why a figure has no rank; nothing where it has one."""
     if sensor.filtered:
         return "of a filtered output, so not ranked"
@@ -321,7 +323,7 @@ def _doubt(sensor: SensorRecord, figure: Figure, figures: Sequence[Figure]) -> s
     return ""
 
 
-def _told_apart(a: Figure, b: Figure) -> bool:
+def _told_apart(a: BenchmarkValue, b: BenchmarkValue) -> bool:
     """By more than two standard errors of the difference, on the scale of the figures."""
     return abs(a.value - b.value) > DISTINCT_ERRORS * math.hypot(a.se, b.se)
 

@@ -14,6 +14,7 @@ from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose_on
 from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.refine import Refinement, add_on, refine_on
 from dnanalyze.diagnosis.results import Step
+from dnanalyze.diagnosis.stepwise import NO_LIMITS, SearchLimits
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
@@ -137,8 +138,7 @@ def refine_channels(
     model: NoiseModel | None = None,
     *,
     exclude: Sequence[str] = (),
-    max_effects: int | None = None,
-    until_error: float | None = None,
+    limits: SearchLimits = NO_LIMITS,
     budget: float | None = None,
     effects: Iterable[str | Path] | Mapping[str, type[Effect]] = (),
     progress: Progress | None = None,
@@ -154,10 +154,8 @@ def refine_channels(
         Starting model of all channels; the Wang 2025 model by default.
     exclude : sequence of str
         Effects never to add.
-    max_effects : int, optional
-        Stop in a channel once this many effects were added.
-    until_error : float, optional
-        Stop in a channel once the model error is at or below this.
+    limits : SearchLimits, optional
+        Of each channel: most effects to add, and the model error that is low enough.
     budget : float, optional
         Seconds for the searches of all channels, in equal parts.
     effects : sequence of path, or mapping
@@ -190,8 +188,7 @@ def refine_channels(
             part,
             channel_model(model, channel) if model is not None else None,
             exclude=exclude,
-            max_effects=max_effects,
-            until_error=until_error,
+            limits=limits,
             budget=None if budget is None else budget / len(captures.channels),
             known=known,
             on_progress=partial(_trying, on_progress, channel),

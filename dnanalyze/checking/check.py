@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from dnanalyze.analyzers.catalogue import find as find_statistic
-from dnanalyze.analyzers.statistics import Scale, SettingStatistics
-from dnanalyze.checking.check_bench import CheckBench
+from dnanalyze.analyzers.statistics import Scale, SettingStatistics, Value
+from dnanalyze.checking.check_data import CheckData
 from dnanalyze.checking.targets import POOLED, Target, Targets, load_targets
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import Design
@@ -95,11 +95,9 @@ class Check:
         """Whose figure shows it: a family of statistics, "error" or "model"."""
         if self.kind == "statistic":
             return find_statistic(self.subject).family
-        return (
-            ("error" if self.subject == POOLED else self.subject)
-            if self.kind == "error"
-            else "model"
-        )
+        if self.kind == "parameter":
+            return "model"
+        return "error" if self.subject == POOLED else self.subject
 
 
 @dataclass(frozen=True, repr=False)
@@ -201,15 +199,15 @@ def check(
         targets = load_targets(Path(targets))
     if model is not None and seed is not None:
         model = replace(model, seed=seed)
-    bench = CheckBench(captures, captures if model is not None else measured, model, progress)
-    _same_make(captures, targets, bench.plan)
+    data = CheckData(captures, captures if model is not None else measured, model, progress)
+    _same_make(captures, targets, data.plan)
     made: list[Check] = []
     for number, item in enumerate(targets.targets, 1):
         where = f"target {number} ({item.subject})"
         made += {"statistic": _statistic, "error": _error, "parameter": _parameter}[item.kind](
-            item, bench, where
+            item, data, where
         )
-    return CheckResult(captures, bench.name, made, targets.false_failures)
+    return CheckResult(captures, data.name, made, targets.false_failures)
 
 
 def _same_make(captures: CaptureSet, targets: Targets, plan: Design) -> None:
@@ -230,12 +228,12 @@ def _same_make(captures: CaptureSet, targets: Targets, plan: Design) -> None:
         )
 
 
-def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
+def _statistic(item: Target, data: CheckData, where: str) -> Iterator[Check]:
     assert item.statistic is not None
     info = find_statistic(item.statistic)
-    simulated = bench.simulated[2]
+    simulated = data.simulated[2]
     if info.family == "trends" and not any(item.statistic in s.values for s in simulated.settings):
-        yield _trend(item, bench, where)
+        yield _trend(item, data, where)
         return
     here = [s for s in simulated.settings if item.at.matches(s.point, s.plane)]
     if not here:
@@ -249,24 +247,41 @@ def _statistic(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
         return
     for setting in here:
         own = setting.values.get(item.statistic)
-        needs = (item.relative is not None or item.floors is not None) and item.measured is None
-        stated = bench.value(bench.measured, setting, item.statistic) if needs else None
+        needs = item.needs_measured
+        stated = data.value(data.measured, setting, item.statistic) if needs else None
         if needs and stated is None:
-            if bench.measurement is None:
+            if data.measurement is None:
                 raise InputError(
                     f"{where}: relative and floors need the measured value; give measured in the "
                     "target, or the measured captures with --measured"
                 )
             continue  # not measured there: nothing to hold against
-        reference = (
-            item.measured if item.measured is not None else (stated.value if stated else None)
-        )
-        floor = item.floor or (math.sqrt(2.0) * stated.se if stated else None)
-        if item.floors is not None and floor is None:
+        if item.floors is not None and item.floor is None and stated is None:
             raise InputError(f"{where}: floors needs floor, the reproducibility standard deviation")
-        limits = _limits(item, info.scale, reference, floor)
-        reason = "" if own else setting.missing.get(item.statistic, NOT_DETERMINED)
-        yield _made(item, setting, own.value if own else math.nan, reference, limits, reason, floor)
+        reason = setting.missing.get(item.statistic, NOT_DETERMINED)
+        yield _compared(item, setting, own, stated, info.scale, reason)
+
+
+def _compared(
+    item: Target,
+    setting: SettingStatistics | None,
+    own: Value | None,
+    stated: Value | None,
+    scale: Scale,
+    reason: str,
+) -> Check:
+    """The simulated value beside the measured one: the target's, else ``stated``.
+
+    ``reason``: why there is no simulated value, where there is none.
+    """
+    measured, floor = item.measured, item.floor
+    if stated is not None:
+        measured = stated.value if measured is None else measured
+        floor = floor or math.sqrt(2.0) * stated.se
+    limits = _limits(item, scale, measured, floor)
+    if own is None:
+        return _made(item, setting, math.nan, measured, limits, reason, floor)
+    return _made(item, setting, own.value, measured, limits, floor=floor)
 
 
 def _limits(
@@ -311,42 +326,39 @@ def _made(
     )  # fmt: skip
 
 
-def _trend(item: Target, bench: CheckBench, where: str) -> Check:
+def _trend(item: Target, data: CheckData, where: str) -> Check:
     """A statistic over temperature, such as the activation energy."""
     assert item.statistic is not None
     if item.at.label:
         raise InputError(f"{where}: holds over all temperatures; leave out at")
-    own = bench.simulated[2].trends.get(item.statistic)
-    needs = (item.relative is not None or item.floors is not None) and item.measured is None
-    stated = bench.measured[2].trends.get(item.statistic) if needs and bench.measured else None
+    own = data.simulated[2].trends.get(item.statistic)
+    needs = item.needs_measured
+    stated = data.measured[2].trends.get(item.statistic) if needs and data.measured else None
     if needs and stated is None:
         raise InputError(f"{where}: relative and floors need measured, and no captures give it")
-    reference = item.measured if item.measured is not None else (stated.value if stated else None)
-    floor = item.floor or (math.sqrt(2.0) * stated.se if stated else None)
-    reason = "" if own else "these operating points do not determine it"
-    limits = _limits(item, Scale.LINEAR, reference, floor)
-    return _made(item, None, own.value if own else math.nan, reference, limits, reason, floor)
+    reason = "these operating points do not determine it"
+    return _compared(item, None, own, stated, Scale.LINEAR, reason)
 
 
-def _error(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
-    if bench.measurement is None:
+def _error(item: Target, data: CheckData, where: str) -> Iterator[Check]:
+    if data.measurement is None:
         raise InputError(
             f"{where}: an error needs the measured captures; give --model or --measured"
         )
-    value = bench.own_errors.get(str(item.error), math.nan)
+    value = data.own_errors.get(str(item.error), math.nan)
     reason = "" if math.isfinite(value) else "the measured frames have no statistic of that family"
     limits = _limits(item, Scale.LINEAR, item.measured, None)
     yield _made(item, None, value, item.measured, limits, reason)
 
 
-def _parameter(item: Target, bench: CheckBench, where: str) -> Iterator[Check]:
+def _parameter(item: Target, data: CheckData, where: str) -> Iterator[Check]:
     """A number of the model file; at an operating point, by its law."""
     assert item.parameter is not None
-    if bench.model is None:
+    if data.model is None:
         raise InputError(f"{where}: a parameter needs the model; give --model")
-    value, unit = parameter_of(bench.model, item.parameter, where)
+    value, unit = parameter_of(data.model, item.parameter, where)
     limits = _limits(item, Scale.LINEAR, item.measured, None)
-    reads = value(item.at.point if item.at.label else bench.model.reference)
+    reads = value(item.at.point if item.at.label else data.model.reference)
     yield _made(item, None, reads, item.measured, limits, unit=unit)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import find as find_statistic
 from dnanalyze.analyzers.statistics import Scale, Statistics
-from dnanalyze.checking.check_bench import CheckBench
+from dnanalyze.checking.check_data import CheckData
 from dnanalyze.checking.targets import SCHEMA, At, Origin, Target, Targets
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.noise_model import NoiseModel
@@ -95,14 +95,14 @@ def propose(
     on_progress : callable
         Called with a line of progress.
     """
-    bench = CheckBench(captures, captures, model)
+    data = CheckData(captures, captures, model)
     drawn = []
     for number in range(replicates if model is not None else 0):
         assert model is not None
         on_progress(f"Simulated sensor {number + 1} of {replicates}")
-        drawn.append(bench.drawn(replace(model, seed=model.seed + 1 + number)))
-    readings = list(_readings(bench, drawn, statistics))
-    errors = [bench.errors(d) for d in drawn]
+        drawn.append(data.drawn(replace(model, seed=model.seed + 1 + number)))
+    readings = list(_readings(data, drawn, statistics))
+    errors = [data.errors(d) for d in drawn]
     families = sorted(errors[0], key=lambda f: f != "pooled") if errors else []
     limits = len(readings) + len(families)
     width = _width(rate, limits, replicates if drawn else 0)
@@ -110,7 +110,7 @@ def propose(
     sides = [(r, _Width(width, rate / (2 * max(limits, 1)), r)) for r in readings]
     told = [(r, w) for r, w in sides if not (r.scale is Scale.LOG and w.down > VAGUE)]
     made += [_target(r, w, bool(drawn)) for r, w in told]
-    least = min(len(s.frames) for s in bench.plan.captures.settings)
+    least = min(len(s.frames) for s in data.plan.captures.settings)
     return Targets(
         schema=SCHEMA,
         description="Made by `dnanalyze check --init`; edit freely.",
@@ -121,10 +121,10 @@ def propose(
 
 
 def _readings(
-    bench: CheckBench, drawn: list[list[Statistics]], statistics: Sequence[str]
+    data: CheckData, drawn: list[list[Statistics]], statistics: Sequence[str]
 ) -> Iterator[_Reading]:
-    assert bench.measured is not None
-    for setting in bench.measured[2].settings:
+    assert data.measured is not None
+    for setting in data.measured[2].settings:
         for name in statistics:
             value, scale = setting.values.get(name), find_statistic(name).scale
             if (
@@ -133,7 +133,7 @@ def _readings(
                 or not math.isfinite(scale.coordinate(value.value))
             ):
                 continue
-            others = [bench.value(d, setting, name) for d in drawn]
+            others = [data.value(d, setting, name) for d in drawn]
             if any(o is None for o in others):
                 continue
             coordinates = np.array([scale.coordinate(o.value) for o in others if o is not None])

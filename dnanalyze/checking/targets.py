@@ -118,6 +118,11 @@ class Target(BaseModel):
         return self
 
     @property
+    def needs_measured(self) -> bool:
+        """Whether the limits refer to a measured value that the target does not state."""
+        return self.measured is None and (self.relative is not None or self.floors is not None)
+
+    @property
     def kind(self) -> str:
         """ "statistic", "error" or "parameter"."""
         return next(k for k in ("statistic", "error", "parameter") if getattr(self, k) is not None)

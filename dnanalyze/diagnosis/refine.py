@@ -16,7 +16,7 @@ from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Refinement, Step
 from dnanalyze.diagnosis.score_test import score_tests
 from dnanalyze.diagnosis.selection import STANDS_IN, confidence_of
-from dnanalyze.diagnosis.stepwise import Path, Search, supported
+from dnanalyze.diagnosis.stepwise import NO_LIMITS, Path, Search, SearchLimits, supported
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.fit import fit_on, paper_start, with_seed
 from dnanalyze.fitting.free_parameters import free_parameters
@@ -40,8 +40,7 @@ def refine(
     model: NoiseModel | None = None,
     *,
     exclude: Sequence[str] = (),
-    max_effects: int | None = None,
-    until_error: float | None = None,
+    limits: SearchLimits = NO_LIMITS,
     budget: float | None = None,
     effects: Iterable[str | FilePath] | Mapping[str, type[Effect]] = (),
     progress: Progress | None = None,
@@ -57,10 +56,8 @@ def refine(
         Starting model; the Wang 2025 model by default.
     exclude : sequence of str
         Effects never to add.
-    max_effects : int, optional
-        Stop once this many effects were added.
-    until_error : float, optional
-        Stop once the model error is at or below this.
+    limits : SearchLimits, optional
+        Most effects to add, and the model error that is low enough.
     budget : float, optional
         Seconds after which the search ends with the last complete model.
     effects : sequence of path, or mapping
@@ -87,14 +84,14 @@ def refine(
     >>> import dnanalyze
     >>> from dnanalyze.demo import tiny
     >>> captures = tiny()
-    >>> found = dnanalyze.refine(captures, max_effects=1)
+    >>> found = dnanalyze.refine(captures, limits=dnanalyze.SearchLimits(max_effects=1))
     >>> found.steps[0].error > found.steps[-1].error
     True
     """
     known = known_effects(effects)
     return refine_on(
-        captures, model, exclude=exclude, max_effects=max_effects, until_error=until_error,
-        budget=budget, known=known, on_progress=reporter(progress), executor=executor,
+        captures, model, exclude=exclude, limits=limits, budget=budget, known=known,
+        on_progress=reporter(progress), executor=executor,
     )  # fmt: skip
 
 
@@ -103,8 +100,7 @@ def refine_on(
     model: NoiseModel | None = None,
     *,
     exclude: Sequence[str] = (),
-    max_effects: int | None = None,
-    until_error: float | None = None,
+    limits: SearchLimits = NO_LIMITS,
     budget: float | None = None,
     seed: int | None = None,
     known: Mapping[str, type[Effect]] | None = None,
@@ -142,7 +138,14 @@ def refine_on(
         on_result(_so_far(captures, unlimited, path))
 
     search = Search(
-        problem, open_to, tuple(begun.names), max_effects, until_error, on_step, on_progress, kept
+        problem,
+        open_to,
+        tuple(begun.names),
+        limits.max_effects,
+        limits.until_error,
+        on_step,
+        on_progress,
+        kept,
     )
     try:
         path = search.run(state, exclude)

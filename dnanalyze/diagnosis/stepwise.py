@@ -197,6 +197,25 @@ def descending(steps: Sequence[Step]) -> list[Step]:
 
 
 @dataclass(frozen=True)
+class SearchLimits:
+    """When a search ends although further effects are detectable.
+
+    Parameters
+    ----------
+    max_effects : int, optional
+        Once this many effects were added to the baseline model; with 0 no others are tested.
+    until_error : float, optional
+        Once the model error is at or below this.
+    """
+
+    max_effects: int | None = None
+    until_error: float | None = None
+
+
+NO_LIMITS = SearchLimits()
+
+
+@dataclass(frozen=True)
 class Search:
     """A stepwise search and its limits.
 

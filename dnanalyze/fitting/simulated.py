@@ -11,7 +11,8 @@ from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate
+from dnanalyze.model.simulate import simulated_by
+from dnanalyze.model.simulator import Simulator
 
 THREADS = 2  # parts taken at a time
 FIELD_BYTES = 1 << 30
@@ -73,9 +74,8 @@ class Job:
         self, parts: Iterable[Part], memo: Memo, threads: int = 1
     ) -> list[list[SettingStatistics]]:
         """Statistics of the colour planes of each part."""
-        made = simulate(
-            self.model.in_codes, self.sensor.shape, self.settings, "simulation", self.sensor, memo
-        )
+        simulator = Simulator(self.model.in_codes, self.sensor.shape, memo)
+        made = simulated_by(simulator, self.settings, sensor=self.sensor)
 
         def one(part: Part) -> list[SettingStatistics]:
             setting, half = part

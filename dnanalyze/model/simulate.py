@@ -17,6 +17,8 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulator import Simulator, room
 from dnanalyze.processors import cpu_count
 
+_Draw = Callable[[OperatingPoint, int, Window | None], np.ndarray]
+
 
 def simulate(
     model: NoiseModel,
@@ -24,7 +26,6 @@ def simulate(
     settings: Sequence[tuple[OperatingPoint, int]] | None = None,
     name: str = "simulation",
     sensor: Sensor | None = None,
-    memo: Memo | None = None,
     threads: int = 1,
     device: str = "cpu",
     like: CaptureSet | None = None,
@@ -43,8 +44,6 @@ def simulate(
         Name of the capture set.
     sensor : Sensor, optional
         What to record of the sensor (bits, colour filter, ...).
-    memo : Memo, optional
-        Where random fields are kept between calls.
     threads : int
         That share a frame; the pixels do not depend on it.
     device : str
@@ -83,18 +82,38 @@ def simulate(
     if shape is None or settings is None:
         raise InputError("simulate: give shape and settings, or captures to be like")
     draw = (
-        _drawn_by_threads(model, shape, memo or Memo(), threads)
+        _drawn_by_threads(model, shape, threads)
         if device == "cpu"
         else _drawn_on(device, model, shape)
     )
+    return _captures(draw, model, settings, name, sensor or Sensor(shape))
 
+
+def simulated_by(
+    simulator: Simulator,
+    settings: Sequence[tuple[OperatingPoint, int]],
+    name: str = "simulation",
+    sensor: Sensor | None = None,
+) -> CaptureSet:
+    """`simulate` by a simulator, which keeps random fields between calls in its memo."""
+    sensor = sensor or Sensor(simulator.shape)
+    return _captures(simulator.frame, simulator.model, settings, name, sensor)
+
+
+def _captures(
+    draw: _Draw,
+    model: NoiseModel,
+    settings: Sequence[tuple[OperatingPoint, int]],
+    name: str,
+    sensor: Sensor,
+) -> CaptureSet:
     def setting(point: OperatingPoint, count: int) -> Setting:
         label = point.label()
         frames = (Frame(f"{label} #{n}", point, partial(draw, point, n)) for n in range(count))
         return Setting(point, tuple(frames))
 
     made = tuple(setting(point, count) for point, count in settings)
-    captures = CaptureSet(name, sensor or Sensor(shape), made)
+    captures = CaptureSet(name, sensor, made)
     return captures if model.unit == 1.0 else _in_files(captures, model.unit)
 
 
@@ -111,11 +130,8 @@ def _in_files(made: CaptureSet, unit: float) -> CaptureSet:
     return replace(made, settings=settings)
 
 
-_Draw = Callable[[OperatingPoint, int, Window | None], np.ndarray]
-
-
-def _drawn_by_threads(model: NoiseModel, shape: tuple[int, int], memo: Memo, threads: int) -> _Draw:
-    simulator = Simulator(model, shape, memo)
+def _drawn_by_threads(model: NoiseModel, shape: tuple[int, int], threads: int) -> _Draw:
+    simulator = Simulator(model, shape)
     if threads == 1:
         return simulator.frame
     simulator = replace(simulator, _maps=Memo(room(model, shape)))

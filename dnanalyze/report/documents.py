@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dnanalyze.report.plain import estimate
+
+if TYPE_CHECKING:
+    from dnanalyze.comparator.compare import Comparison
+    from dnanalyze.diagnosis.results import Diagnosis, Refinement
+    from dnanalyze.emva.quantity import Group, Quantities
+    from dnanalyze.fitting.fit import Fit
+    from dnanalyze.loaders.captures import OperatingPoint
+
 
 PARAMETER = "name", "value", "se", "unit", "determined", "upper"
 Document = dict[str, Any]
 
 
-def point(point: Any) -> Document:
+def point(point: OperatingPoint) -> Document:
     """An operating point."""
     return {key: getattr(point, key) for key in ("temperature_c", "exposure_s", "gain", "channel")}
 
 
-def emva_group(group: Any) -> Document:
+def emva_group(group: Group) -> Document:
     """The EMVA 1288 quantities of one gain, channel and colour plane."""
     return {
         "gain": group.gain,
@@ -37,7 +45,7 @@ def emva_group(group: Any) -> Document:
     }
 
 
-def _quantities(items: Any) -> list[Document]:
+def _quantities(items: Quantities) -> list[Document]:
     return [
         fields_of(q.kind, "key", "symbol", "name", "unit")
         | fields_of(q, "value", "se", "reason", "note")
@@ -45,9 +53,9 @@ def _quantities(items: Any) -> list[Document]:
     ]
 
 
-def level(result: Any) -> Document:
+def level(result: Comparison | Diagnosis | Refinement) -> Document:
     """The mean dark level where it is farthest off; null where none was measured."""
-    found = getattr(result, "level", None)
+    found = result.level
     if found is None:
         return {"level": None}
     fields = fields_of(
@@ -56,9 +64,9 @@ def level(result: Any) -> Document:
     return {"level": point(found.point) | fields}
 
 
-def coverage(result: Any) -> Document:
+def coverage(result: Comparison | Diagnosis | Refinement) -> Document:
     """What of the captures a verdict rests on; null where the result does not say."""
-    seen = getattr(result, "coverage", None)
+    seen = result.coverage
     if seen is None:
         return {"coverage": None}
     keys = "settings", "all_settings", "frames", "all_frames", "window", "field", "share"
@@ -68,21 +76,20 @@ def coverage(result: Any) -> Document:
     return {"coverage": fields_of(seen, *keys) | {"departures": told}}
 
 
-def direct(result: Any) -> list[Document]:
+def direct(result: Fit | Diagnosis | Refinement) -> list[Document]:
     """Quantities measured directly, beside the model's."""
     keys = "quantity", "unit", "direct", "error", "model", "sigma", "kept"
     return [
-        (point(a.point) if a.point is not None else {}) | fields_of(a, *keys)
-        for a in getattr(result, "direct", [])
+        (point(a.point) if a.point is not None else {}) | fields_of(a, *keys) for a in result.direct
     ]
 
 
 def fields_of(item: Any, *keys: str) -> Document:
-    """These attributes of an object; what it lacks is left out.
+    """These attributes of an object.
 
     A value with a standard error has the ends of its interval beside it.
     """
-    found = {k: getattr(item, k) for k in keys if hasattr(item, k)}
+    found = {k: getattr(item, k) for k in keys}
     if {"value", "se"} <= found.keys():
         found |= estimate(found["value"], found["se"])
     return found

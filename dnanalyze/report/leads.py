@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 from dnanalyze.model.registry import BASE, BASELINE
-from dnanalyze.report.structure import beyond, sentence_of
+from dnanalyze.report.significant_structure import beyond, sentence_of
 from dnanalyze.report.words import (
     SURE,
     closeness,
@@ -18,6 +18,10 @@ from dnanalyze.report.words import (
     sentence,
     statistics_named,
 )
+
+if TYPE_CHECKING:
+    from dnanalyze.comparator.compare import Comparison
+    from dnanalyze.diagnosis.results import Diagnosis, Refinement, Step
 
 CAPITALS = {
     name: name.upper() for name in ("adc", "cds", "cfa", "dc", "dn", "dpc", "dsnu", "fpn", "hdr",
@@ -46,7 +50,7 @@ def explained(effect: str) -> str:
     return plain_name(effect) + (f" ({text})" if text else "")
 
 
-def compare_lead(result: Any) -> str:
+def compare_lead(result: Comparison) -> str:
     """Whether the model describes the sensor, and where it fails most."""
     text = sentence(closeness(result.error))
     if is_number(result.error) and result.error < 1.3:
@@ -58,7 +62,7 @@ def compare_lead(result: Any) -> str:
     return f"{text} {sentence(worst)}" if worst else text
 
 
-def diagnose_lead(found: Any) -> str:
+def diagnose_lead(found: Diagnosis) -> str:
     """What the sensor has that the model lacks."""
     best = leading(found)
     if found.verdict == "adequate":
@@ -75,7 +79,7 @@ def diagnose_lead(found: Any) -> str:
     )
 
 
-def refine_lead(result: Any) -> str:
+def refine_lead(result: Refinement) -> str:
     """What the sensor has beyond the noise of every sensor."""
     sure = {s.added: s.confidence for s in result.steps}
     found = named_effects(result.steps)
@@ -94,7 +98,7 @@ def refine_lead(result: Any) -> str:
     return f"{NOTHING}: it has the noise of every sensor, and no other effect is detectable."
 
 
-def named_effects(steps: Sequence[Any]) -> list[str]:
+def named_effects(steps: Sequence[Step]) -> list[str]:
     """Effects that a refinement added and kept, without those that every sensor has."""
     kept = net_additions([s.added for s in steps])
     return list(dict.fromkeys(n for n in kept if n not in (*BASELINE, BASE)))

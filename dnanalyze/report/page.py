@@ -6,15 +6,18 @@ import itertools
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from dnanalyze.report import capture
+from dnanalyze.report import capture_facts
 from dnanalyze.report.figures.palette import TONES, turning
 from dnanalyze.report.figures.pictures import Key, Panel, Picture
 from dnanalyze.report.figures.svg import named_apart
 from dnanalyze.report.subscripts import subscripts
+
+if TYPE_CHECKING:
+    from dnanalyze.loaders.captures import CaptureSet
 
 
 @dataclass(frozen=True)
@@ -142,17 +145,17 @@ class Page:
 
 
 def page_of(
-    captures: Any, kind: str, verdict: str, sections: Sequence[Section], **more: Any
+    captures: CaptureSet, kind: str, verdict: str, sections: Sequence[Section], **more: Any
 ) -> Page:
     """A page on these captures: their name, facts and notes are theirs."""
     if more.get("front"):
-        more["about"] = capture.about(captures)
+        more["about"] = capture_facts.about(captures)
     return Page(
         kind,
-        capture.title(captures),
+        capture_facts.title(captures),
         verdict,
         sections,
-        facts=capture.facts(captures) | more.pop("facts", {}),
+        facts=capture_facts.facts(captures) | more.pop("facts", {}),
         notes=captures.notes,
         **more,
     )

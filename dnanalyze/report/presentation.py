@@ -14,9 +14,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
+    from dnanalyze.report.figures.pictures import Draw
     from dnanalyze.report.page import Page, Section
-
-Draw = Callable[[], Any]  # a figure function with its arguments; None where nothing is to be seen
 
 
 class Presentation(Protocol):
@@ -58,7 +57,7 @@ def summary(result: Any) -> str:
 def save(result: Any, shown: Presentation, path: str | PathLike[str]) -> None:
     """Write the form that the suffix of ``path`` names; see `dnanalyze.result.Result.save`."""
     from dnanalyze.loaders.writers import atomic_write
-    from dnanalyze.report.files import check_output
+    from dnanalyze.report.output_files import check_output
     from dnanalyze.report.page import render
     from dnanalyze.report.plain import to_json
 

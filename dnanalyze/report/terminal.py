@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from io import StringIO
-from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -12,8 +11,10 @@ from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
-from dnanalyze.report import capture, words
+from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.report import capture_facts, words
 from dnanalyze.report.page import Section, Table
+from dnanalyze.result import Result
 
 COLUMNS = 80
 BAR = 24
@@ -43,7 +44,7 @@ def as_text(draw: Callable[[Console], None], columns: int = COLUMNS) -> str:
     return "\n".join(lines).strip("\n")
 
 
-def show(console: Console, result: Any) -> None:
+def show(console: Console, result: Result) -> None:
     """A result: what was captured, the verdict, its sections."""
     shown = result._presentation()
     style = "bold" if getattr(result, "passed", True) else "bold red"
@@ -51,10 +52,10 @@ def show(console: Console, result: Any) -> None:
     print_sections(console, shown.sections(result))
 
 
-def head(console: Console, captures: Any, verdict: str, style: str = "bold") -> None:
+def head(console: Console, captures: CaptureSet | None, verdict: str, style: str = "bold") -> None:
     """What was captured, then the answer; without captures the answer alone."""
     if captures is not None:
-        console.print(Text(capture.one_line(captures), style="dim"))
+        console.print(Text(capture_facts.one_line(captures), style="dim"))
         console.print()
     _line(console, verdict, style)
     console.print()

@@ -5,10 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dnanalyze.digits import is_number, minus, number, symbol, unit_text, with_error
 from dnanalyze.loaders.captures import OperatingPoint
+
+if TYPE_CHECKING:
+    from dnanalyze.comparator.compare import Comparison
+    from dnanalyze.description.describe import Description
+    from dnanalyze.diagnosis.results import Candidate, Diagnosis, Refinement
+    from dnanalyze.fitting.agreement import Agreement
+    from dnanalyze.fitting.fit import Fit, Parameter
+    from dnanalyze.fitting.level import Level
+    from dnanalyze.fitting.whole_field import Coverage, Departure
+
 
 FAMILIES = {
     "level": "Mean dark signal and noise",
@@ -21,6 +31,12 @@ FAMILIES = {
     "codes": "Codes",
     "shading": "Shading",
     "trends": "Over temperature",
+}
+
+FILTERS = {
+    "dpc": "defect-pixel correction",
+    "denoise": "spatial denoise",
+    "temporal_denoise": "temporal denoise",
 }
 
 
@@ -195,24 +211,24 @@ def error_way(before: Any, after: Any) -> str:
     return f"the model error {gone} from {number(before)} to {number(after)}"
 
 
-def candidates_of(found: Any) -> tuple[list[Any], list[Any]]:
+def candidates_of(found: Diagnosis) -> tuple[list[Candidate], list[Candidate]]:
     """The candidates of a diagnosis, and apart from them the baseline effects."""
     baseline = [c for c in found.candidates if c.effect in found.ordinary]
     return [c for c in found.candidates if c.effect not in found.ordinary], baseline
 
 
-def leading(found: Any) -> Any:
+def leading(found: Diagnosis) -> Candidate | None:
     """The candidate that a diagnosis names first, or None."""
     others, baseline = candidates_of(found)
     return next(iter(others or baseline), None)
 
 
-def diagnose_headline(found: Any) -> str:
+def diagnose_headline(found: Diagnosis) -> str:
     """The verdict of a diagnosis in one sentence, and what else it must say."""
     return with_remarks(_diagnosed(found), found)
 
 
-def _diagnosed(found: Any) -> str:
+def _diagnosed(found: Diagnosis) -> str:
     ordinary = found.ordinary
     baseline = f"the baseline effects ({listing(ordinary)})"
     others, named = candidates_of(found)
@@ -248,7 +264,7 @@ def _diagnosed(found: Any) -> str:
     return sentence(f"{text}, but these captures do not support it; not explained: {left}")
 
 
-def describe_headline(found: Any) -> str:
+def describe_headline(found: Description) -> str:
     """The sentence of a description, and what the structure does to the model error."""
     if not is_number(found.error_after):
         return found.text
@@ -272,7 +288,7 @@ def first_answer(effects: Sequence[str]) -> str:
     )
 
 
-def _timed_out(found: Any, others: Sequence[Any]) -> str:
+def _timed_out(found: Diagnosis, others: Sequence[Candidate]) -> str:
     """What is known when the time is up."""
     text = "Not finished: the time limit ended the diagnosis "
     if not others:
@@ -287,7 +303,7 @@ def _timed_out(found: Any, others: Sequence[Any]) -> str:
     )
 
 
-def _missing(found: Any, best: Any, baseline: str) -> str:
+def _missing(found: Diagnosis, best: Candidate, baseline: str) -> str:
     """What is missing, the model error with it, what it does not explain, the confounders."""
     beside, it = (f", beside {baseline}", "all of them") if baseline else ("", "it")
     text = (
@@ -301,7 +317,7 @@ def _missing(found: Any, best: Any, baseline: str) -> str:
     return sentence(text)
 
 
-def with_remarks(headline: str, result: Any) -> str:
+def with_remarks(headline: str, result: Comparison | Diagnosis | Refinement) -> str:
     """A headline, and what else it must say: a law put in, a mean dark signal that is off."""
     law, level = getattr(result, "law", ""), getattr(result, "level", None)
     more = [sentence(law)] if law else []
@@ -312,7 +328,7 @@ def with_remarks(headline: str, result: Any) -> str:
     return " ".join([headline, *more])
 
 
-def coverage_words(seen: Any) -> list[str]:
+def coverage_words(seen: Coverage | None) -> list[str]:
     """What a result rests on, where that is not all of the captures, and what is off elsewhere."""
     if seen is None:
         return []
@@ -336,7 +352,7 @@ def coverage_words(seen: Any) -> list[str]:
     return [*made, *(sentence(departure_words(d)) for d in seen.departures)]
 
 
-def departure_words(found: Any) -> str:
+def departure_words(found: Departure) -> str:
     """Where the rest of the field departs from the model, and by how much."""
     way = "above" if found.difference_dn > 0 else "below"
     noun = "block of 32 × 32 pixels" if found.kind == "blocks" else found.kind[:-1]
@@ -348,7 +364,7 @@ def departure_words(found: Any) -> str:
     )
 
 
-def direct_words(found: Any) -> str:
+def direct_words(found: Agreement) -> str:
     """A quantity of the model that is not what the frames show directly."""
     where = "" if found.point is None else f" at {point_label(found.point)}"
     return (
@@ -357,7 +373,7 @@ def direct_words(found: Any) -> str:
     )
 
 
-def direct_rows(result: Any) -> list[tuple[str, ...]]:
+def direct_rows(result: Fit | Diagnosis | Refinement | Comparison) -> list[tuple[str, ...]]:
     """Quantity, operating point, direct value, model's value and difference of each."""
     return [
         (
@@ -375,7 +391,7 @@ def direct_rows(result: Any) -> list[tuple[str, ...]]:
 DIRECT = "quantity", "at", "direct", "model", "unit", "difference"
 
 
-def level_words(level: Any) -> str:
+def level_words(level: Level) -> str:
     """How far the mean dark signal is off at its worst operating point."""
     share = "" if level.relative is None else f"{number(100 * abs(level.relative), 2)} %, "
     where = ", ".join(filter(None, (point_label(level.point), level.plane)))
@@ -397,12 +413,12 @@ def net_additions(added: Iterable[str | None]) -> list[str]:
     return kept
 
 
-def refine_headline(result: Any) -> str:
+def refine_headline(result: Refinement) -> str:
     """The verdict of a refinement in one sentence, and what else it must say."""
     return with_remarks(_refined(result), result)
 
 
-def _refined(result: Any) -> str:
+def _refined(result: Refinement) -> str:
     steps, verdict = list(result.steps), result.verdict
     first, last = steps[0].error, steps[-1].error
     by_name = {s.added: s for s in steps}  # the last time that it was added
@@ -423,7 +439,7 @@ def _refined(result: Any) -> str:
         "missing": _stopped(result),
         "unexplained": f"no effect of the catalogue explains the residual in {left}",
     }
-    told = getattr(result, "classification", None)
+    told = result.classification
     if not result.unexplained:
         ending["unexplained"] = "no statistic shows a residual, but the model is not adequate"
     if told is not None and told.tells and not result.unexplained:
@@ -434,7 +450,7 @@ def _refined(result: Any) -> str:
     return sentence(f"{text}; {ending.get(verdict, verdict)}")
 
 
-def _stopped(result: Any) -> str:
+def _stopped(result: Refinement) -> str:
     """What is missing yet in a refinement that reached a limit of the user's."""
     found = [] if result.diagnosis is None else list(result.diagnosis.candidates)
     if found:
@@ -445,13 +461,14 @@ def _stopped(result: Any) -> str:
     return f"the search stopped at the requested limit; the residual was not tested: {left}"
 
 
-def add_headline(result: Any) -> str:
+def add_headline(result: Refinement) -> str:
     """What one effect that the user chose does to the model error, and whether it is supported."""
     before, after = result.steps[0], result.steps[-1]
-    text = f"With {after.added} {error_way(before.error, after.error)}"
+    effect = after.added or ""
+    text = f"With {effect} {error_way(before.error, after.error)}"
     if not after.supported:
         text += "; it is not supported by these captures"
-    elif naming(after.added, after.confidence) != after.added:
+    elif naming(effect, after.confidence) != effect:
         text += f"; these captures support it weakly ({percent(after.confidence)} confidence)"
     else:
         text += f"; these captures support it ({percent(after.confidence)} confidence)"
@@ -488,7 +505,7 @@ def texts(items: Any) -> list[str]:
     return [sentence(str(item)) for item in items]
 
 
-def parameter_rows(result: Any) -> tuple[list[tuple[str, str, str, str]], str]:
+def parameter_rows(result: Fit | Refinement) -> tuple[list[tuple[str, str, str, str]], str]:
     """Name, value with standard error, unit and operating point of each parameter.
 
     Beside them what all those operating points have in common, which the rows leave out.
@@ -509,12 +526,13 @@ def parameter_rows(result: Any) -> tuple[list[tuple[str, str, str, str]], str]:
     return rows, point_label(common) if any(v is not None for v in common.values()) else ""
 
 
-def parameter_value(parameter: Any) -> str:
+def parameter_value(parameter: Parameter) -> str:
     """A parameter with its standard error, or that the captures do not determine it."""
-    if getattr(parameter, "determined", True):
+    if parameter.determined:
         return with_error(parameter.value, parameter.se)
-    upper = getattr(parameter, "upper", None)
-    return "not determined" if upper is None else f"not determined, < {number(upper, 2)}"
+    if parameter.upper is None:
+        return "not determined"
+    return f"not determined, < {number(parameter.upper, 2)}"
 
 
 def _where(name: str, model: Any) -> OperatingPoint | None:

@@ -26,7 +26,8 @@ from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate
+from dnanalyze.model.simulate import simulated_by
+from dnanalyze.model.simulator import Simulator
 
 SIDE = 128  # pixels of a preview's window; 3 frames of 5 operating points take about .09 s of CPU
 FRAMES = 3  # of each operating point; 2 at least for temporal noise, 3 for its correlation
@@ -156,7 +157,8 @@ class Preview:
 
     def _statistics(self, model: NoiseModel) -> Statistics:
         sensor = self.problem.plan.captures.sensor
-        made = simulate(model.in_codes, sensor.shape, self.settings, "preview", sensor, self._memo)
+        simulator = Simulator(model.in_codes, sensor.shape, self._memo)
+        made = simulated_by(simulator, self.settings, "preview", sensor)
         told = [name for name in NAMES if name != WHOLE_FIELD]
         return analyze_windows(made, [self.window], workers=1, errors=False, families=told)[0]
 

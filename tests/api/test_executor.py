@@ -41,7 +41,9 @@ def same(one, other):
 CALLS = {
     "compare": lambda c, executor: dnanalyze.compare(c, executor=executor),
     "fit": lambda c, executor: dnanalyze.fit(c, replicates=2, executor=executor),
-    "refine": lambda c, executor: dnanalyze.refine(c, max_effects=0, executor=executor),
+    "refine": lambda c, executor: dnanalyze.refine(
+        c, limits=dnanalyze.SearchLimits(max_effects=0), executor=executor
+    ),
     "detect": lambda c, executor: dnanalyze.detect(c, executor=executor),
 }
 

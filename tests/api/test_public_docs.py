@@ -98,3 +98,10 @@ def test_what_a_type_checker_reads_is_what_is_imported():
     homes = {(module, name) for module, names in dnanalyze._HOME.items() for name in names}
     assert checked == homes
     assert {name for _, name in homes} | {"__version__"} == set(dnanalyze.__all__)
+
+
+@pytest.mark.parametrize(
+    ("name", "function"), [(name, item) for name, item in public() if inspect.isfunction(item)]
+)
+def test_a_function_has_at_most_eight_parameters(name, function):
+    assert len(inspect.signature(function).parameters) <= 8

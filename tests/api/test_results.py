@@ -20,6 +20,8 @@ import dnanalyze
 from dnanalyze.channels.refinement import ChannelRefinement, ChannelStep
 from dnanalyze.checking.check import Check
 from dnanalyze.diagnosis.results import Candidate, Step
+from dnanalyze.fitting.whole_field import Coverage
+from dnanalyze.loaders.captures import Window
 from dnanalyze.model.noise_model import load_model
 
 NAME = "folder/<sensor> & co"
@@ -37,10 +39,12 @@ def statistics():
 def fitted():
     plain = fakes.fit()
     problem = Held(captures())
-    return dnanalyze.Fit(
+    made = dnanalyze.Fit(
         plain.model, plain.parameters, plain.correlations, plain.undetermined, problem, None,
         captures(),
     )  # fmt: skip
+    vars(made)["direct"] = []  # which it would read off the problem
+    return made
 
 
 class Held:
@@ -62,7 +66,8 @@ def diagnosis():
     plain = fakes.diagnosis()
     candidates = [Candidate(**vars(c)) for c in plain.candidates]
     candidates[0] = replace(candidates[0], evidence=[HOSTILE])
-    found = vars(plain) | {"candidates": candidates, "captures": captures()}
+    whole = Coverage(3, 3, 12, 12, Window.whole(fakes.SHAPE), fakes.SHAPE)
+    found = vars(plain) | {"candidates": candidates, "captures": captures(), "coverage": whole}
     return dnanalyze.Diagnosis(**found)
 
 
@@ -77,6 +82,7 @@ def refinement(by_hand=False):
     )  # fmt: skip
     fitted = SimpleNamespace(parameters=plain.parameters, undetermined=[])
     vars(made)["_fitted"] = fitted  # which it would simulate for
+    vars(made)["direct"] = []  # which it would read off the problem
     return made
 
 

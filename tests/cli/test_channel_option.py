@@ -126,7 +126,7 @@ def test_refine_and_add_over_channels_complete_each_and_give_one_model(
         shown = capsys.readouterr().out
         assert "Identified: column_fpn in hcg; the model error falls from 6.5 to 1.2" in shown
         assert max(map(len, shown.splitlines())) <= 80
-    assert seen["max_effects"] == 3
+    assert seen["limits"].max_effects == 3
     assert "column_fpn: in hcg only" in (tmp_path / "refine.html").read_text()
 
 

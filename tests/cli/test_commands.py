@@ -11,6 +11,7 @@ import report_fakes as fakes
 import yaml
 from dnanalyze_cli.main import main
 
+from dnanalyze import SearchLimits
 from dnanalyze.loaders import load, write_captures
 from dnanalyze.model.noise_model import dump_model, load_model
 
@@ -161,15 +162,14 @@ def test_refine_is_steered(folder, calls, tmp_path):
     assert main(["refine", str(folder), "--model", str(model), "--seed", "7", *steer, "-q"]) == 0
     named = calls["refine"][1]
     assert named["exclude"] == ("rts", "dpc")
-    assert named["max_effects"] == 2
-    assert named["until_error"] == 1.5
+    assert named["limits"] == SearchLimits(max_effects=2, until_error=1.5)
     assert named["model"].seed == 7
 
 
 def test_clear_names_stand_beside_the_short_ones(folder, calls, capsys):
     assert main(["refine", str(folder), "--baseline-only", "--time-limit", "100", "-q"]) == 0
     named = calls["refine"][1]
-    assert named["max_effects"] == 0
+    assert named["limits"] == SearchLimits(max_effects=0)
     assert 0.0 < named["budget"] <= 100.0
     assert main(["refine", str(folder), "--baseline-only", "--max-effects", "2"]) == 2
     assert "leave out --max-effects" in capsys.readouterr().err

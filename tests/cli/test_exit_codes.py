@@ -160,7 +160,7 @@ def test_a_terminated_run_leaves_no_temporary(model, tmp_path):
 def test_a_termination_that_python_ignores_is_sent_again():
     code = """
 import os, signal, time, weakref
-from dnanalyze_cli.stopped import end_on_sigterm
+from dnanalyze_cli.termination import end_on_sigterm
 
 class Thing: pass
 

@@ -5,6 +5,7 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.refine import refine_on
+from dnanalyze.diagnosis.stepwise import SearchLimits
 from dnanalyze.model.registry import BASE, BASELINE, built_in
 
 FEW = (BASE, *BASELINE, "row_fpn", "row_noise", "column_fpn")
@@ -26,4 +27,4 @@ def known():
 @pytest.fixture(scope="session")
 def ordinary(striped, known):
     """The refinement of ``striped`` that stopped before it added anything."""
-    return refine_on(striped, known=known, max_effects=0)
+    return refine_on(striped, known=known, limits=SearchLimits(max_effects=0))

@@ -10,6 +10,7 @@ from dnanalyze.diagnosis.diagnose import diagnose_on, judge
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.diagnosis.selection import OUTSIDE
+from dnanalyze.diagnosis.stepwise import SearchLimits
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.free_parameters import free_parameters
@@ -135,7 +136,9 @@ def test_where_all_of_it_is_excluded_the_model_is_asked_as_it_is(rows):
     assert found.ordinary == []
     assert found.model.names == [BASE]
     assert not {c.effect for c in found.candidates} & set(BASELINE)
-    kept = refine_on(captures, known=KNOWN, problem=problem, exclude=BASELINE, max_effects=0)
+    kept = refine_on(
+        captures, known=KNOWN, problem=problem, exclude=BASELINE, limits=SearchLimits(0)
+    )
     assert kept.effects == [BASE]
 
 

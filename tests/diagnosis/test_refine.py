@@ -6,6 +6,7 @@ import pytest
 
 from dnanalyze.diagnosis.refine import add_on, refine_on
 from dnanalyze.diagnosis.selection import OUTSIDE, TOLERABLE
+from dnanalyze.diagnosis.stepwise import SearchLimits
 from dnanalyze.errors import InputError
 from dnanalyze.model.registry import BASE, BASELINE, WANG
 
@@ -44,7 +45,13 @@ def test_it_stops_where_it_is_told(striped, known, ordinary):
     first = ordinary
     assert first.verdict == "missing"
     assert "row_fpn" not in first.effects
-    without = refine_on(striped, first.model, known=known, exclude=["row_fpn"], until_error=0.01)
+    without = refine_on(
+        striped,
+        first.model,
+        known=known,
+        exclude=["row_fpn"],
+        limits=SearchLimits(until_error=0.01),
+    )
     assert "row_fpn" not in without.effects
-    enough = refine_on(striped, first.model, known=known, until_error=1e3)
+    enough = refine_on(striped, first.model, known=known, limits=SearchLimits(until_error=1e3))
     assert len(enough.steps) == 1

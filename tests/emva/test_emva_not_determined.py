@@ -9,7 +9,7 @@ from known_sensor import sensor_frames
 from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.emva import Emva, evaluate
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
-from dnanalyze.report.emva import undetermined
+from dnanalyze.report.emva_tables import undetermined
 
 BAYER = (("R", "G"), ("G", "B"))
 

@@ -11,7 +11,7 @@ from known_sensor import sensor_frames
 
 from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.emva import evaluate
-from dnanalyze.report import emva
+from dnanalyze.report import emva_tables
 from dnanalyze.report.figures.dark_signal import dark_signal
 from dnanalyze.report.figures.sensor_maps import sensor_maps, shown
 from dnanalyze.report.page import render
@@ -90,6 +90,6 @@ def test_a_single_operating_point_draws_no_empty_axes():
 
 def test_reasons_are_given_once_with_their_quantities():
     found = evaluate(analyze(sensor_frames(0, [(25.0, 1.0, 1)], (32, 32)), workers=1))
-    lines = emva.undetermined(found)
+    lines = emva_tables.undetermined(found)
     assert len(lines) == len(set(lines))
     assert any(line.startswith("σ_y.dark") and "one frame" in line for line in lines)

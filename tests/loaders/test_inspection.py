@@ -73,7 +73,7 @@ def test_missing(tmp_path, names, said, unsaid):
 
 
 def test_where_each_quantity_was_taken_from(tmp_path):
-    from dnanalyze.report.capture import sources
+    from dnanalyze.report.capture_facts import sources
 
     folder(tmp_path, T20C__a_1s=noise(0), T20C__b_2s=noise(1))
     (tmp_path / "manifest.csv").write_text("file,exposure_s\nT20C/a_1s.npy,3\nT20C/b_2s.npy,\n")

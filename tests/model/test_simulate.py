@@ -9,7 +9,8 @@ from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
-from dnanalyze.model.simulate import simulate
+from dnanalyze.model.simulate import simulate, simulated_by
+from dnanalyze.model.simulator import Simulator
 
 SHAPE = (48, 64)
 HOT, COLD = OperatingPoint(65.0, 0.1), OperatingPoint(25.0, 0.1)
@@ -29,7 +30,7 @@ def test_same_model_same_pixels_in_any_order_and_with_any_memory():
     made = simulate(model(), SHAPE, [(COLD, 2), (HOT, 2)])
     first = frames(made)
     backwards = [f.read() for f in reversed(list(made.frames()))][::-1]
-    forgetful = frames(simulate(model(), SHAPE, [(COLD, 2), (HOT, 2)], memo=Memo(0)))
+    forgetful = frames(simulated_by(Simulator(model(), SHAPE, Memo(0)), [(COLD, 2), (HOT, 2)]))
     for a, b, c in zip(first, backwards, forgetful, strict=True):
         np.testing.assert_array_equal(a, b)
         np.testing.assert_array_equal(a, c)
@@ -81,7 +82,7 @@ def test_what_is_read_out_differently_shares_its_charge():
         other = model(**changes).without("crosstalk").with_effect(Counted())
         first = built_in()["pixel_fpn"]()  # it writes into what it is given
         other = replace(other, effects=(first, *other.effects))
-        frames = simulate(other, SHAPE, [(COLD, 2)], memo=memo).frames()
+        frames = simulated_by(Simulator(other, SHAPE, memo), [(COLD, 2)]).frames()
         return np.array([f.read() for f in frames])
 
     for sigma, mu, counted in ((1.0, 2.0, 2), (2.0, 2.0, 0), (1.0, 2.0, 0), (1.0, 2.1, 2)):
@@ -95,7 +96,10 @@ def test_charge_is_shared_by_like_sensors_settings_frames_and_windows_alone():
     memo = with_charge()
     for seed in (1, 2):
         other = replace(model(), seed=seed)
-        made = [simulate(other, SHAPE, [(COLD, 2), (HOT, 2)], memo=kept) for kept in (memo, Memo())]
+        made = [
+            simulated_by(Simulator(other, SHAPE, kept), [(COLD, 2), (HOT, 2)])
+            for kept in (memo, Memo())
+        ]
         for one, plain in zip(*(m.frames() for m in made), strict=True):
             for window in (None, Window(8, 40, 0, 64), Window(8, 40, 8, 56)):
                 np.testing.assert_array_equal(one.read(window), plain.read(window))

@@ -11,6 +11,7 @@ from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
 from dnanalyze.classifier.result import Cell, Classification, Told
 from dnanalyze.detection.results import Detection, FilterEstimate, Finding, TailBound
 from dnanalyze.detection.series import SuppressionSeries
+from dnanalyze.fitting.fit import Parameter
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.noise_model import NoiseModel
@@ -154,6 +155,8 @@ def comparison() -> Comparison:
         simulated=simulated,
         gaussian=gaussian,
         model=model(),
+        level=None,
+        coverage=None,
     )
 
 
@@ -180,6 +183,10 @@ def diagnosis(verdict: str = "missing") -> Diagnosis:
         finished=True,
         screened=[],
         model=model(),
+        law="",
+        direct=[],
+        level=None,
+        coverage=None,
     )
 
 
@@ -207,7 +214,11 @@ def refinement(**more: object) -> Refinement:
         model=model(),
         diagnosis=diagnosis("adequate"),
         problem=None,
-        **more,
+        undetermined=[],
+        direct=[],
+        level=None,
+        coverage=None,
+        **{"by_hand": False, "classification": None, **more},
     )
 
 
@@ -261,8 +272,8 @@ def detection(filtered: bool = True) -> Detection:
 def fit() -> Fit:
     """Two parameters, one without an error."""
     parameters = [
-        SimpleNamespace(name="convolved_lognormal.mu", value=1.234, se=0.012, unit="ln DN"),
-        SimpleNamespace(name="pedestal", value=64.0, se=float("nan"), unit="DN"),
+        Parameter("convolved_lognormal.mu", 1.234, 0.012, "ln DN"),
+        Parameter("pedestal", 64.0, float("nan"), "DN"),
     ]
     return Fit(
         captures=captures(),
@@ -270,4 +281,5 @@ def fit() -> Fit:
         parameters=parameters,
         correlations=np.array([[1.0, np.nan], [np.nan, 1.0]]),
         undetermined=["mu and pedestal cannot be told apart"],
+        direct=[],
     )

@@ -7,7 +7,7 @@ import report_fakes as fakes
 from dnanalyze.fitting.level import Level
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.registry import built_in
-from dnanalyze.report import tables
+from dnanalyze.report import statistic_rows
 from dnanalyze.report.plain import to_json
 from dnanalyze.report.results import (
     classification,
@@ -89,7 +89,7 @@ def test_the_keys_are_those_of_the_contract():
     )
     assert refine["parameters"][1] == {
         "effect": "pedestal", "name": "pedestal", "value": 64.0, "se": None,
-        "low": None, "high": None, "unit": "DN",
+        "low": None, "high": None, "unit": "DN", "determined": True, "upper": None,
     }  # fmt: skip
     assert refine["model"] is None  # without a file
     detect = MADE["detect"]()
@@ -127,18 +127,18 @@ def test_tables_have_a_row_a_number():
 
 
 def test_statistics_are_said_in_words():
-    assert tables.named("temporal_noise").endswith("(temporal_noise)")
-    assert tables.named("a sentence") == "a sentence"
+    assert statistic_rows.named("temporal_noise").endswith("(temporal_noise)")
+    assert statistic_rows.named("a sentence") == "a sentence"
 
 
 def test_the_worst_rows_name_each_statistic_once():
     rows = fakes.comparison().statistics
-    shown = tables.worst(rows, most=5)
+    shown = statistic_rows.worst(rows, most=5)
     sizes = [abs(r["discrepancy"]) for r in shown]
     assert sizes == sorted(sizes, reverse=True)
     assert len({r["name"] for r in shown}) == len(shown)
     assert sizes[0] == max(abs(r["discrepancy"]) for r in rows if math.isfinite(r["discrepancy"]))
-    assert all(r["family"] == "spectrum" for r in tables.worst(rows, "spectrum"))
+    assert all(r["family"] == "spectrum" for r in statistic_rows.worst(rows, "spectrum"))
 
 
 def test_all_operating_points_together_stand_beside_each_of_them():

@@ -19,13 +19,13 @@ from dnanalyze.model.effects.column_fpn import ColumnFpn
 from dnanalyze.model.effects.denoise import Denoise
 from dnanalyze.report.fields import FRAME, MEAN, TEMPORAL, Place, fields, kind_of, worst_place
 from dnanalyze.report.figures.before_after import before_after, changed
-from dnanalyze.report.figures.field import block_means, field_row, robust_range, side_of
-from dnanalyze.report.figures.paper import figure_1, figure_2
+from dnanalyze.report.figures.field_images import block_means, field_row, robust_range, side_of
 from dnanalyze.report.figures.style import Layer, layers
+from dnanalyze.report.figures.wang_2025 import figure_1, figure_2
 from dnanalyze.report.leads import compare_lead, diagnose_lead, plain_name, refine_lead
 from dnanalyze.report.page import render
 from dnanalyze.report.results import refinement, statistics
-from dnanalyze.report.structure import plainest, sentence_of, structures
+from dnanalyze.report.significant_structure import plainest, sentence_of, structures
 
 POINTS = OperatingPoint(15.0), OperatingPoint(95.0)
 

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 import report_fakes as fakes
 
+from dnanalyze.fitting.fit import Parameter
 from dnanalyze.loaders import inspect
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
@@ -195,9 +196,9 @@ def test_a_parameter_stands_with_its_error_unit_and_operating_point():
     effect = ConvolvedLognormal(mu=TableLaw(points, (1.0, 2.5)), delta=0.5)
     model = NoiseModel((effect,), ArrheniusLaw(1.5, 25.0, 0.65))
     found = [
-        SimpleNamespace(name="convolved_lognormal.mu[1]", value=2.5, se=0.1, unit="ln DN"),
-        SimpleNamespace(name="pedestal.ea_ev", value=0.65, se=0.02, unit="eV"),
-        SimpleNamespace(name="gain", value=2.0, se=0.1, unit="DN/e-"),
+        Parameter("convolved_lognormal.mu[1]", 2.5, 0.1, "ln DN"),
+        Parameter("pedestal.ea_ev", 0.65, 0.02, "eV"),
+        Parameter("gain", 2.0, 0.1, "DN/e-"),
     ]
     by_point, fixed = model_section(model, found).tables
     assert list(by_point.columns) == ["parameter", "unit", "25 °C", "65 °C"]

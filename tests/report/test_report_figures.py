@@ -10,21 +10,21 @@ from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
 from dnanalyze.report.figures import (
-    against_neighbours,
     candidates,
-    codes,
+    code_use,
     correlations,
     distribution,
+    exceedance,
+    frame_means,
     heatmap,
-    lines,
-    over_temperature,
-    planes,
+    noise_and_dark_signal,
+    over_operating_points,
+    pixel_and_neighbours,
+    rows_and_columns,
     shading,
     spectrum,
+    spectrum_2d,
     suppression,
-    tails,
-    timeline,
-    trends,
     waterfall,
 )
 from dnanalyze.report.figures.pictures import plotted
@@ -43,16 +43,16 @@ from dnanalyze.report.figures.style import (
 SVG = "{http://www.w3.org/2000/svg}"
 FAMILIES = {
     "distribution": distribution.histograms,
-    "tails": tails.exceedance,
+    "tails": exceedance.exceedance,
     "spectrum": spectrum.spectra,
-    "planes": planes.planes,
-    "profiles": lines.profiles,
-    "lines": lines.spectra,
+    "planes": spectrum_2d.planes,
+    "profiles": rows_and_columns.profiles,
+    "lines": rows_and_columns.spectra,
     "shading": lambda d: (shading.maps(d) or [None])[0],
-    "timeline": timeline.frame_means,
-    "codes": codes.roughness,
-    "trends": trends.over_temperature,
-    "panels": lambda d: over_temperature.statistics(d, ("mean", "hot_count_8", "absent"), "c"),
+    "timeline": frame_means.frame_means,
+    "codes": code_use.roughness,
+    "trends": noise_and_dark_signal.over_temperature,
+    "panels": lambda d: over_operating_points.statistics(d, ("mean", "hot_count_8", "absent"), "c"),
 }
 
 
@@ -99,16 +99,16 @@ def test_the_legend_names_what_is_drawn_and_nothing_else():
     measured, simulated = fakes.statistics(3.0), fakes.statistics(2.5)
     gone = tuple(replace(s, curves={}) for s in simulated.settings)
     both = layers(measured, simulated)
-    assert [k.label for k in tails.exceedance(both).legend] == ["measured", "model"]
+    assert [k.label for k in exceedance.exceedance(both).legend] == ["measured", "model"]
     bare = layers(measured, replace(simulated, settings=gone))
-    assert tails.exceedance(bare).legend == ()
+    assert exceedance.exceedance(bare).legend == ()
 
 
 def test_panels_choose_the_operating_points_that_have_the_curve():
     measured = fakes.statistics()
     first, *rest = measured.settings
     some = replace(measured, settings=(replace(first, curves={}), *rest))
-    text = words_of(tails.exceedance(layers(some)))
+    text = words_of(exceedance.exceedance(layers(some)))
     assert "25 °C" not in text
     assert "65 °C" in text
     assert "105 °C" in text
@@ -154,11 +154,12 @@ def test_a_picture_draws_on_the_users_axes():
     _, (ax, other) = pyplot.subplots(1, 2)
     assert plotted(made, ax) is ax
     assert ax.has_data()
-    many = plotted(tails.exceedance(layers(fakes.statistics())), other)
+    many = plotted(exceedance.exceedance(layers(fakes.statistics())), other)
     assert len(many) == 3
     with pytest.raises(InputError, match="grid"):
         plotted(
-            tails.exceedance(layers(fakes.statistics())), pyplot.figure().add_axes((0, 0, 1, 1))
+            exceedance.exceedance(layers(fakes.statistics())),
+            pyplot.figure().add_axes((0, 0, 1, 1)),
         )
     pyplot.close("all")
 
@@ -176,7 +177,7 @@ def test_a_single_setting_of_unknown_temperature_can_be_drawn():
     for name in ("distribution", "tails", "spectrum", "lines"):
         assert FAMILIES[name](drawn) is not None
     assert FAMILIES["panels"](drawn) is None  # one dot over one tick says nothing
-    assert trends.over_temperature(drawn) is None
+    assert noise_and_dark_signal.over_temperature(drawn) is None
 
 
 def test_the_settings_shown_run_from_first_to_last_in_one_plane():
@@ -221,7 +222,7 @@ def test_a_missing_code_shows_as_zero_and_a_smooth_histogram_as_one():
     n = np.round(1e7 * np.exp(-(((x - 100) / 20) ** 2) / 2))
     n[103] = 0
     made = replace(setting, curves={"histogram_codes": x, "histogram_counts": n})
-    code, ratio = codes._ratio(made)
+    code, ratio = code_use._ratio(made)
     assert ratio[code == 103] == 0
     assert ratio[(code < 85) & (code > 75)] == pytest.approx(1, abs=0.02)
 
@@ -236,12 +237,12 @@ def test_suppression_is_named_in_its_legend():
 def test_the_largest_neighbour_leaves_the_pixel_itself_out():
     frame = np.zeros((5, 5))
     frame[2, 2], frame[1, 3] = 9, 4
-    pixel, around = against_neighbours.largest_neighbour(frame)
+    pixel, around = pixel_and_neighbours.largest_neighbour(frame)
     assert pixel[1, 1] == 9
     assert around[1, 1] == 4
     assert around[0, 0] == 9
-    assert against_neighbours.scatter([("a", np.zeros((8, 8), np.uint16))]) is not None
-    assert against_neighbours.scatter([]) is None
+    assert pixel_and_neighbours.scatter([("a", np.zeros((8, 8), np.uint16))]) is not None
+    assert pixel_and_neighbours.scatter([]) is None
 
 
 def test_the_heat_map_shows_every_operating_point_and_the_worst_statistics():
@@ -322,7 +323,7 @@ def test_the_plane_is_symmetric_and_reaches_nyquist_on_every_side():
     full = np.abs(np.fft.fft2(rng.normal(size=(16, 16)))) ** 2
     half = np.fft.fftshift(np.log10(full + 1), axes=0)[:, :9]
     setting = replace(fakes.statistics().settings[0], curves={"pattern_psd2d": half})
-    plane = planes._plane(setting, "pattern")
+    plane = spectrum_2d._plane(setting, "pattern")
     assert plane.shape == (17, 17)
     np.testing.assert_allclose(plane, plane[::-1, ::-1], atol=1e-6)  # of a real image
     expected = 10 * (np.fft.fftshift(np.log10(full + 1)) - np.median(half))
@@ -333,7 +334,7 @@ def test_the_nyquist_mode_never_stands_alone():
     f = np.arange(1, 33) / 64
     s = np.ones(32)
     s[-1] = 1000.0  # one real mode: a single exponential, no average
-    frequency, power = lines._pooled(f, s)
+    frequency, power = rows_and_columns._pooled(f, s)
     assert frequency[-1] < 0.5
     assert power[-1] < 500
 
@@ -349,7 +350,7 @@ def test_candidates_of_the_baseline_model_are_one_bar_and_the_rest_start_from_it
 
 def test_a_statistic_that_is_zero_everywhere_gets_no_panel():
     measured = fakes.statistics()
-    assert over_temperature.statistics(layers(measured), ("column_outliers",), "c") is None
+    assert over_operating_points.statistics(layers(measured), ("column_outliers",), "c") is None
 
 
 def test_candidates_stand_best_first_from_the_top():
@@ -388,5 +389,5 @@ def test_lines_that_are_all_alike_have_no_spectrum():
         for s in measured.settings
     )  # fmt: skip
     drawn = layers(replace(measured, settings=settings))
-    assert lines.profiles(drawn) is not None  # a warning is an error
-    assert lines.spectra(drawn) is None
+    assert rows_and_columns.profiles(drawn) is not None  # a warning is an error
+    assert rows_and_columns.spectra(drawn) is None

@@ -6,7 +6,7 @@ import pytest
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.writers import atomic_write
-from dnanalyze.report.files import atomic_folder, check_output, write_together
+from dnanalyze.report.output_files import atomic_folder, check_output, write_together
 
 
 def test_a_file_is_written_whole_and_replaces_the_old_one(tmp_path):

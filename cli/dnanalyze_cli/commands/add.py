@@ -22,7 +22,7 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
     from dnanalyze.diagnosis.refine import add_on as run
     from dnanalyze.fitting.fit import fit_on
     from dnanalyze.model.registry import find
-    from dnanalyze_cli import over_channels
+    from dnanalyze_cli import channel_commands
 
     swapped = not Path(options.captures).exists() and Path(effect).exists()
     if swapped:
@@ -36,7 +36,7 @@ def add(options: ModelOptions, effect: EffectName, output: ModelOut = None) -> N
     if len(found.channels) > 1:
         from dnanalyze.channels.refinement import add_channels
 
-        over_channels.refine(
+        channel_commands.run_over_channels(
             session,
             found,
             lambda progress: add_channels(found, effect, own, known=known, progress=progress),

@@ -5,9 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Annotated
 
-import typer
-
-from dnanalyze_cli.options import NoCache, ReadOptions, Scheduler, SystemGain, takes
+from dnanalyze_cli.options import NoCache, ReadOptions, Scheduler, SystemGain, option, takes
 
 
 @takes(ReadOptions)
@@ -18,9 +16,9 @@ def analyze(
     no_cache: NoCache = False,
     repeatability: Annotated[
         bool,
-        typer.Option(
+        option(
             "--repeatability",
-            help="State the repeatability of each statistic (its standard deviation over captures "
+            "State the repeatability of each statistic (its standard deviation over captures "
             "of this sensor) in JSON and CSV. Reads the frames up to 21 times more.",
         ),
     ] = False,

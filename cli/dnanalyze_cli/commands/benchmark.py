@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from dnanalyze_cli.numbers import celsius
-from dnanalyze_cli.options import FolderOptions, NoCache, Scheduler, takes
+from dnanalyze_cli.options import FolderOptions, NoCache, Scheduler, option, takes
 from dnanalyze_cli.scheduler import executor_at
+from dnanalyze_cli.typed_numbers import celsius
 
 
 @takes(FolderOptions)
@@ -19,15 +19,13 @@ def benchmark(
     ],
     at: Annotated[
         str | None,
-        typer.Option(
-            "--at",
-            "--temperatures",
-            metavar="C,C,...",
-            help="Temperatures, °C, to compare at; default: within the range of all sensors.",
+        option(
+            "--at --temperatures C,C,...",
+            "Temperatures, °C, to compare at; default: within the range of all sensors.",
         ),
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Do not identify the effects of each sensor.")
+        bool, option("--quick", "Do not identify the effects of each sensor.")
     ] = False,
     no_cache: NoCache = False,
     scheduler: Scheduler = None,

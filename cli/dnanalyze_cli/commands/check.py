@@ -8,10 +8,18 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import EffectFiles, Force, Json, NoCache, Reading, Seed, takes
+from dnanalyze_cli.options import (
+    FILES,
+    EffectFiles,
+    Force,
+    Json,
+    NoCache,
+    Reading,
+    Seed,
+    option,
+    takes,
+)
 from dnanalyze_cli.session import Session
-
-_FILES = "Results"
 
 
 @takes(Reading)
@@ -27,50 +35,33 @@ def check(
     ],
     model: Annotated[
         Path | None,
-        typer.Option(
-            "--model",
-            metavar="M.yaml",
-            help="Check frames of this model, at the operating points of CAPTURES.",
+        option(
+            "--model M.yaml", "Check frames of this model, at the operating points of CAPTURES."
         ),
     ] = None,
     targets: Annotated[
-        Path | None,
-        typer.Option("--targets", metavar="T.yaml", help="Targets file: the limits to meet."),
+        Path | None, option("--targets T.yaml", "Targets file: the limits to meet.")
     ] = None,
     init: Annotated[
         Path | None,
-        typer.Option(
-            "--init",
-            metavar="T.yaml",
-            help="Write a targets file from the measured CAPTURES, with margins that a correct "
+        option(
+            "--init T.yaml",
+            "Write a targets file from the measured CAPTURES, with margins that a correct "
             "simulation violates once in 1,000 runs.",
         ),
     ] = None,
     measured: Annotated[
         str | None,
-        typer.Option(
-            "--measured",
-            metavar="FOLDER",
-            help="Measured frames that targets refer to, if CAPTURES are simulated frames.",
+        option(
+            "--measured FOLDER",
+            "Measured frames that targets refer to, if CAPTURES are simulated frames.",
         ),
     ] = None,
     junit: Annotated[
-        Path | None,
-        typer.Option(
-            "--junit",
-            metavar="OUT.xml",
-            rich_help_panel=_FILES,
-            help="Results as JUnit XML, for CI systems.",
-        ),
+        Path | None, option("--junit OUT.xml", "Results as JUnit XML, for CI systems.", FILES)
     ] = None,
     markdown: Annotated[
-        Path | None,
-        typer.Option(
-            "--markdown",
-            metavar="OUT.md",
-            rich_help_panel=_FILES,
-            help="Summary for a pull request; - prints it.",
-        ),
+        Path | None, option("--markdown OUT.md", "Summary for a pull request; - prints it.", FILES)
     ] = None,
     json: Json = None,
     force: Force = False,
@@ -84,7 +75,7 @@ def check(
     from dnanalyze.checking.targets import dump_targets, load_targets
     from dnanalyze.loaders.writers import atomic_write
     from dnanalyze.model.channel_models import require
-    from dnanalyze.report.files import check_kept, check_output
+    from dnanalyze.report.output_files import check_kept, check_output
     from dnanalyze.report.results import checkresult as report
     from dnanalyze.report.terminal import head
 

@@ -1,14 +1,13 @@
-"""``dnanalyze compare``: the model beside the measurement."""
+"""``dnanalyze compare``: the model beside the measurement; ``hdr``: the same of combined frames."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
-
-import typer
 
 from dnanalyze.errors import InputError
 from dnanalyze_cli import combined_frames
-from dnanalyze_cli.options import Combine, CombinedOut, Force, Light, ModelOptions, takes
+from dnanalyze_cli.options import Combine, CombinedOut, Force, Light, ModelOptions, option, takes
 
 if TYPE_CHECKING:
     from dnanalyze.report.page import Page
@@ -19,9 +18,9 @@ def compare(
     options: ModelOptions,
     classifier: Annotated[
         bool,
-        typer.Option(
+        option(
             "--classifier",
-            help="Also train a classifier: can it tell the simulated frames from the measured "
+            "Also train a classifier: can it tell the simulated frames from the measured "
             "ones? Area under the ROC curve, with its control.",
         ),
     ] = False,
@@ -70,3 +69,16 @@ def compare(
 
     more = {} if judged is None else {"classifier": classification.body(judged)}
     session.finish(comparison, page, more)
+
+
+@takes(ModelOptions)
+def hdr(
+    options: ModelOptions,
+    combine: Annotated[Path, option("--combine HDR.yaml")],
+    light: Light = 0.0,
+    simulated: CombinedOut = None,
+    force: Force = False,
+) -> None:
+    """Compare combined HDR frames with the models of their channels."""
+    session = options.session("hdr")
+    combined_frames.compare(session, options, combine, light, simulated, force)

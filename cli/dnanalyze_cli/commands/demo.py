@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from dnanalyze_cli.options import Force, Json, Quiet, Report
+from dnanalyze_cli.options import Force, Json, Quiet, Report, option
 from dnanalyze_cli.session import Session
 
 SHAPE, FRAMES = (256, 256), 6
@@ -24,20 +24,18 @@ def demo(
             show_default=False,
         ),
     ] = None,
-    hide: Annotated[
-        str, typer.Option("--hide", metavar="EFFECT", help="Effect to hide in the sensor.")
-    ] = "column_fpn",
+    hide: Annotated[str, option("--hide EFFECT", "Effect to hide in the sensor.")] = "column_fpn",
     level: Annotated[
-        str, typer.Option("--level", help="Strength of the effect: weak, middling or strong.")
+        str, option("--level", "Strength of the effect: weak, middling or strong.")
     ] = "middling",
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the virtual sensor.")] = 1,
+    seed: Annotated[int, option("--seed", "Seed of the virtual sensor.", min=0)] = 1,
     json: Json = None,
     report: Report = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Make frames of a virtual sensor with a hidden effect, compare, and identify the effect."""
-    from dnanalyze.report.files import check_folder
+    from dnanalyze.report.output_files import check_folder
 
     if folder is not None:
         check_folder(folder, force)

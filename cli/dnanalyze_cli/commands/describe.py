@@ -6,10 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import FILES, Budget, Force, ModelOptions, ModelOut, takes
+from dnanalyze_cli.options import FILES, Budget, Force, ModelOptions, ModelOut, option, takes
 
 
 @takes(ModelOptions)
@@ -18,20 +16,18 @@ def describe(
     output: ModelOut = None,
     write: Annotated[
         Path | None,
-        typer.Option(
-            "--write",
-            metavar="OWN.py",
-            rich_help_panel=FILES,
-            help="Write the structure as an effect of your own, which simulates the same frames.",
+        option(
+            "--write OWN.py",
+            "Write the structure as an effect of your own, which simulates the same frames.",
+            FILES,
         ),
     ] = None,
     map_file: Annotated[
         Path | None,
-        typer.Option(
-            "--map",
-            metavar="MAP.npy",
-            rich_help_panel=FILES,
-            help="Learn the fixed pattern of this very sensor; -o adds it to the model.",
+        option(
+            "--map MAP.npy",
+            "Learn the fixed pattern of this very sensor; -o adds it to the model.",
+            FILES,
         ),
     ] = None,
     budget: Budget = None,
@@ -43,18 +39,18 @@ def describe(
     from dnanalyze.model.learned.field_map import map_bytes
     from dnanalyze.model.learned.pattern_map import named
     from dnanalyze.model.noise_model import dump_model
-    from dnanalyze.report.files import check_kept, check_output
+    from dnanalyze.report.output_files import check_kept, check_output
     from dnanalyze.report.results import description as report
     from dnanalyze.report.results import learnedpattern
 
     session = options.session("describe", output=output)
     session.remaining(budget)
     taken = list(session.files)
-    for option, path in (("--write", write), ("--map", map_file)):
+    for name, path in (("--write", write), ("--map", map_file)):
         if path is None:
             continue
         check_output(path, options.captures)
-        check_kept(path, force, option)
+        check_kept(path, force, name)
         if path in taken:
             raise InputError(f"{path}: named for two outputs; give each its own file")
         taken.append(path)

@@ -20,7 +20,7 @@ def diagnose(
     """Rank the effects that may be missing in a model, with the evidence for and against."""
     from dnanalyze.diagnosis.diagnose import diagnose_on as run
     from dnanalyze.model.registry import find
-    from dnanalyze_cli import over_channels
+    from dnanalyze_cli import channel_commands
     from dnanalyze_cli.residual_description import describe_residual
 
     session = options.session("diagnose")
@@ -32,7 +32,9 @@ def diagnose(
     if len(found.channels) > 1:
         for name in exclude or ():
             known.pop(name)
-        over_channels.diagnose(session, found, own, known, session.remaining(budget))
+        channel_commands.diagnose_over_channels(
+            session, found, own, known, session.remaining(budget)
+        )
         return
     with session.progress("Reading frames") as progress:
         problem = progress.fit_problem(found)

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.numbers import celsius, rows_and_columns
-from dnanalyze_cli.options import EffectFiles, Quiet
+from dnanalyze_cli.options import EffectFiles, Quiet, option
 from dnanalyze_cli.session import Session
+from dnanalyze_cli.typed_numbers import celsius, rows_and_columns
 
 
 def export(
@@ -23,17 +23,13 @@ def export(
         ),
     ],
     output: Annotated[
-        Path,
-        typer.Option(
-            "-o", "--output", metavar="OUT", help="File to write; - prints it.", show_default=False
-        ),
+        Path, option("-o --output OUT", "File to write; - prints it.", show_default=False)
     ],
     format: Annotated[
         str,
-        typer.Option(
-            "--format",
-            "--to",
-            help="csv, json: parameters over temperature; numpy: one file with dark_frames(); "
+        option(
+            "--format --to",
+            "csv, json: parameters over temperature; numpy: one file with dark_frames(); "
             "torch: the same with a transform; yaml: the model file, from a table or code that is "
             "read back; "
             "getframes: a camera preset (TOML); pyxel: a pipeline (YAML); what these programs "
@@ -42,18 +38,14 @@ def export(
     ] = "json",
     temperatures: Annotated[
         str | None,
-        typer.Option(
-            "--temperatures",
-            metavar="C,C,...",
-            help="Temperatures at which a table states the parameters; for getframes and pyxel, "
+        option(
+            "--temperatures C,C,...",
+            "Temperatures at which a table states the parameters; for getframes and pyxel, "
             "the one at which the dark current is stated; default: those of the model.",
         ),
     ] = None,
     shape: Annotated[
-        str,
-        typer.Option(
-            "--shape", metavar="ROWSxCOLUMNS", help="Frame size, for getframes and pyxel."
-        ),
+        str, option("--shape ROWSxCOLUMNS", "Frame size, for getframes and pyxel.")
     ] = "512x512",
     effects: EffectFiles = None,
     quiet: Quiet = False,

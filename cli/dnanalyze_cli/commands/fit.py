@@ -4,26 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
-from dnanalyze_cli.options import ModelOptions, ModelOut, takes
+from dnanalyze_cli.options import ModelOptions, ModelOut, option, takes
 
 Frozen = Annotated[
     list[str] | None,
-    typer.Option(
-        "--frozen",
-        metavar="PARAMETER",
-        help="Do not fit this parameter: effect.parameter, or pedestal (repeatable).",
+    option(
+        "--frozen PARAMETER",
+        "Do not fit this parameter: effect.parameter, or pedestal (repeatable).",
     ),
 ]
 Replicates = Annotated[
     int | None,
-    typer.Option(
-        "--replicates",
-        metavar="N",
+    option(
+        "--replicates N",
+        "Simulated sensors for the standard errors; 0: no standard errors, no bias correction.",
         min=0,
-        help="Simulated sensors for the standard errors; 0: no standard errors, no bias "
-        "correction.",
         show_default="24",
     ),
 ]
@@ -39,12 +34,12 @@ def fit(
     """Fit a model's parameters, with their standard errors; -o writes the model file."""
     from dnanalyze.fitting.fit import REPLICATES
     from dnanalyze.fitting.fit import fit_on as run
-    from dnanalyze_cli import over_channels
+    from dnanalyze_cli import channel_commands
 
     session = options.session("fit", output=output)
     found, start = options.begin(session)
     if start is not None:
-        start = over_channels.spread(start, found)
+        start = channel_commands.with_rows_by_channel(start, found)
     with session.progress("Fitting") as progress:
         problem = progress.fit_problem(found)
         result = run(

@@ -10,7 +10,7 @@ def inspect(options: ReadOptions) -> None:
     """List what is in the folder, and what is missing for a full analysis."""
     from dnanalyze.analyzers.saturated_settings import notes, saturated_settings
     from dnanalyze.loaders import inspect as look
-    from dnanalyze.report import capture
+    from dnanalyze.report import capture_facts
     from dnanalyze.report.results import inspection as report
     from dnanalyze.report.terminal import head
 
@@ -18,7 +18,7 @@ def inspect(options: ReadOptions) -> None:
     found = options.load(session)
     seen = look(found)
     seen["missing"] += notes(found, saturated_settings(found))
-    head(session.console, None, capture.one_line(found))
+    head(session.console, None, capture_facts.one_line(found))
     session.print(report.sections(found, seen))
     content = report.document(options.captures, seen)
     session.write(content, lambda: report.page(found, seen), found.to_dataframe)

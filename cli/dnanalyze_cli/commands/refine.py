@@ -1,11 +1,9 @@
-"""``dnanalyze refine``: diagnose and add until nothing more is missing."""
+"""``dnanalyze refine``: diagnose and add until nothing more is missing; ``channels`` by channel."""
 
 from __future__ import annotations
 
 import shlex
 from typing import Annotated
-
-import typer
 
 from dnanalyze.errors import InputError
 from dnanalyze_cli.options import (
@@ -16,6 +14,7 @@ from dnanalyze_cli.options import (
     ModelOut,
     NoDescribe,
     Scheduler,
+    option,
     takes,
 )
 from dnanalyze_cli.scheduler import executor_at
@@ -28,31 +27,17 @@ def refine(
     exclude: Exclude = None,
     max_effects: Annotated[
         int | None,
-        typer.Option(
-            "--max-effects",
-            metavar="N",
-            min=0,
-            rich_help_panel=STEER,
-            help="Add at most N effects to the baseline model.",
-        ),
+        option("--max-effects N", "Add at most N effects to the baseline model.", STEER, min=0),
     ] = None,
     baseline_only: Annotated[
         bool,
-        typer.Option(
-            "--baseline-only",
-            rich_help_panel=STEER,
-            help="Add the baseline effects alone; the same as --max-effects 0.",
+        option(
+            "--baseline-only", "Add the baseline effects alone; the same as --max-effects 0.", STEER
         ),
     ] = False,
     until_error: Annotated[
         float | None,
-        typer.Option(
-            "--until-error",
-            metavar="E",
-            min=0.0,
-            rich_help_panel=STEER,
-            help="Stop once the model error is E or less.",
-        ),
+        option("--until-error E", "Stop once the model error is E or less.", STEER, min=0.0),
     ] = None,
     budget: Budget = None,
     no_describe: NoDescribe = False,
@@ -64,10 +49,11 @@ def refine(
     """
     from dnanalyze.diagnosis.refine import Refinement
     from dnanalyze.diagnosis.refine import refine_on as run
+    from dnanalyze.diagnosis.stepwise import SearchLimits
     from dnanalyze.model.registry import find
     from dnanalyze.report import words
     from dnanalyze.report.results import refinement as report
-    from dnanalyze_cli import over_channels
+    from dnanalyze_cli import channel_commands
     from dnanalyze_cli.residual_description import describe_residual
     from dnanalyze_cli.resume import command_line, kept_when_stopped
 
@@ -75,6 +61,7 @@ def refine(
         if max_effects:
             raise InputError("--baseline-only: adds no effect; leave out --max-effects")
         max_effects = 0
+    limits = SearchLimits(max_effects, until_error)
     session = options.session("refine", output=output)
     session.remaining(budget)
     known, captures = session.known(), options.captures
@@ -86,15 +73,14 @@ def refine(
         from dnanalyze.channels.refinement import refine_channels
 
         with executor_at(scheduler) as executor:
-            over_channels.refine(
+            channel_commands.run_over_channels(
                 session,
                 found,
                 lambda progress: refine_channels(
                     found,
                     own,
                     exclude=excluded,
-                    max_effects=max_effects,
-                    until_error=until_error,
+                    limits=limits,
                     budget=session.remaining(budget),
                     effects=known,
                     progress=progress,
@@ -120,8 +106,7 @@ def refine(
                 model=own,
                 problem=problem,
                 exclude=excluded,
-                max_effects=max_effects,
-                until_error=until_error,
+                limits=limits,
                 budget=session.remaining(budget),
                 known=known,
                 on_step=lambda step: progress.note(
@@ -143,3 +128,20 @@ def refine(
             text = shlex.join([*line, "--time-limit", f"{budget:g}"])
             session.console.print(f"To continue the search: {text}", style="dim", soft_wrap=True)
         session.finish(result, more=more)
+
+
+@takes(ModelOptions)
+def channels(options: ModelOptions, output: ModelOut = None) -> None:
+    """Refine each HDR channel; separate effects of the pixel from those of the readout."""
+    from dnanalyze.channels.refinement import by_channel, refine_channels
+    from dnanalyze_cli import channel_commands
+
+    session = options.session("channels", output=output)
+    known = session.known()
+    found, own = options.begin(session)
+    by_channel(found)  # refuses captures without
+    channel_commands.run_over_channels(
+        session,
+        found,
+        lambda progress: refine_channels(found, own, effects=known, progress=progress),
+    )

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.numbers import celsius, numbers, rows_and_columns
-from dnanalyze_cli.options import EffectFiles, Force, Json, Reading, takes
+from dnanalyze_cli.options import EffectFiles, Force, Json, Reading, option, takes
 from dnanalyze_cli.session import Session
+from dnanalyze_cli.typed_numbers import celsius, numbers, rows_and_columns
 
 _FRAMES = "The frames"
 
@@ -19,89 +19,49 @@ _FRAMES = "The frames"
 def simulate(
     options: Reading,
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to make.", show_default=False)],
-    model: Annotated[
-        Path, typer.Option("--model", metavar="M.yaml", help="Model file.", show_default=False)
-    ],
+    model: Annotated[Path, option("--model M.yaml", "Model file.", show_default=False)],
     like: Annotated[
         str | None,
-        typer.Option(
-            "--like",
-            metavar="CAPTURES",
-            rich_help_panel=_FRAMES,
-            help="Use the frame size, operating points and numbers of frames of this folder.",
+        option(
+            "--like CAPTURES",
+            "Use the frame size, operating points and numbers of frames of this folder.",
+            _FRAMES,
         ),
     ] = None,
     shape: Annotated[
-        str | None,
-        typer.Option(
-            "--shape",
-            metavar="ROWSxCOLUMNS",
-            rich_help_panel=_FRAMES,
-            help="Frame size, such as 1080x1920.",
-        ),
+        str | None, option("--shape ROWSxCOLUMNS", "Frame size, such as 1080x1920.", _FRAMES)
     ] = None,
     temperatures: Annotated[
-        str | None,
-        typer.Option(
-            "--temperatures",
-            metavar="C,C,...",
-            rich_help_panel=_FRAMES,
-            help="Temperatures, °C, such as 25,45,65.",
-        ),
+        str | None, option("--temperatures C,C,...", "Temperatures, °C, such as 25,45,65.", _FRAMES)
     ] = None,
     exposure: Annotated[
-        str | None,
-        typer.Option(
-            "--exposure",
-            metavar="S,S,...",
-            rich_help_panel=_FRAMES,
-            help="Exposure times, s, such as 0.05.",
-        ),
+        str | None, option("--exposure S,S,...", "Exposure times, s, such as 0.05.", _FRAMES)
     ] = None,
     gain: Annotated[
-        str | None,
-        typer.Option(
-            "--gain", metavar="G,G,...", rich_help_panel=_FRAMES, help="Gain settings, such as 1,4."
-        ),
+        str | None, option("--gain G,G,...", "Gain settings, such as 1,4.", _FRAMES)
     ] = None,
     channel: Annotated[
         str | None,
-        typer.Option(
-            "--channel",
-            metavar="NAME,NAME,...",
-            rich_help_panel=_FRAMES,
-            help="HDR readout channels; default: all.",
-        ),
+        option("--channel NAME,NAME,...", "HDR readout channels; default: all.", _FRAMES),
     ] = None,
     frames: Annotated[
-        int | None,
-        typer.Option(
-            "--frames",
-            metavar="N",
-            min=1,
-            rich_help_panel=_FRAMES,
-            help="Frames at each operating point.",
-        ),
+        int | None, option("--frames N", "Frames at each operating point.", _FRAMES, min=1)
     ] = None,
     format: Annotated[
         str,
-        typer.Option(
+        option(
             "--format",
-            rich_help_panel=_FRAMES,
-            help="tif, fits, npy, h5, png, pgm; raw10, raw12, ... with -mipi or -lsb where packed.",
+            "tif, fits, npy, h5, png, pgm; raw10, raw12, ... with -mipi or -lsb where packed.",
+            _FRAMES,
         ),
     ] = "tif",
     seed: Annotated[
-        int | None,
-        typer.Option("--seed", min=0, help="Seed of the simulated sensor; default: the model's."),
+        int | None, option("--seed", "Seed of the simulated sensor; default: the model's.", min=0)
     ] = None,
     device: Annotated[
         str,
-        typer.Option(
-            "--device",
-            metavar="DEVICE",
-            rich_help_panel="The run",
-            help="cpu, or cuda: a GPU, by way of CuPy; the same frames.",
+        option(
+            "--device DEVICE", "cpu, or cuda: a GPU, by way of CuPy; the same frames.", "The run"
         ),
     ] = "cpu",
     json: Json = None,
@@ -116,7 +76,7 @@ def simulate(
     from dnanalyze.model.simulate import simulate as run
     from dnanalyze.processors import cpu_count
     from dnanalyze.report.documents import point
-    from dnanalyze.report.files import atomic_folder, check_folder
+    from dnanalyze.report.output_files import atomic_folder, check_folder
     from dnanalyze.report.plain import document
     from dnanalyze.report.words import plural
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dnanalyze.errors import InputError
-from dnanalyze_cli.options import EffectFiles, Model, Reading, Seed, takes
+from dnanalyze_cli.options import EffectFiles, Model, Reading, Seed, option, takes
 from dnanalyze_cli.session import Session
 
 if TYPE_CHECKING:
@@ -29,20 +29,14 @@ def workbench(
     ] = None,
     model: Model = None,
     demo: Annotated[
-        bool, typer.Option("--demo", help="A built-in virtual sensor with a hidden effect.")
+        bool, option("--demo", "A built-in virtual sensor with a hidden effect.")
     ] = False,
-    port: Annotated[
-        int, typer.Option("--port", min=0, max=65535, help="Port; 0 takes a free one.")
-    ] = 0,
+    port: Annotated[int, option("--port", "Port; 0 takes a free one.", min=0, max=65535)] = 0,
     host: Annotated[
         str,
-        typer.Option(
-            "--host", help="Address to listen on; any but the loopback address requires a token."
-        ),
+        option("--host", "Address to listen on; any but the loopback address requires a token."),
     ] = "127.0.0.1",
-    no_browser: Annotated[
-        bool, typer.Option("--no-browser", help="Only print the page's address.")
-    ] = False,
+    no_browser: Annotated[bool, option("--no-browser", "Only print the page's address.")] = False,
     effects: EffectFiles = None,
     seed: Seed = None,
 ) -> None:

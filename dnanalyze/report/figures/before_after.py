@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.report.figures.over_temperature import draw_statistic, tells
+from dnanalyze.report.figures.over_operating_points import draw_statistic, tells
 from dnanalyze.report.figures.style import (
     GAUSSIAN,
     HAIRLINE,
@@ -20,7 +20,7 @@ from dnanalyze.report.figures.style import (
     log_axis,
     panels,
 )
-from dnanalyze.report.tables import info
+from dnanalyze.report.statistic_rows import info
 
 MAX_STATISTICS = 8  # statistics shown
 FLOOR = 0.3  # standard deviations, at the left end of the axis

@@ -7,6 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.benchmarking.criteria import Criterion
+from dnanalyze.benchmarking.run import BenchmarkResult
+from dnanalyze.benchmarking.sensor_record import SensorRecord
+from dnanalyze.benchmarking.temperature_laws import Reading
 from dnanalyze.report.figures.palette import ROSE, SKY
 from dnanalyze.report.figures.style import (
     ACCENT,
@@ -44,7 +48,7 @@ def look_of(place: int, name: str) -> dict[str, Any]:
     }
 
 
-def draw_criterion(ax: Any, result: Any, criterion: Any) -> Any:
+def draw_criterion(ax: Any, result: BenchmarkResult, criterion: Criterion) -> Any:
     """Readings and law of each sensor over temperature, the common temperatures marked.
 
     Parameters
@@ -68,11 +72,11 @@ def draw_criterion(ax: Any, result: Any, criterion: Any) -> Any:
     return ax
 
 
-def over_temperature(result: Any) -> Picture | None:
+def over_temperature(result: BenchmarkResult) -> Picture | None:
     """One panel a figure of merit."""
     from dnanalyze.benchmarking.criteria import CRITERIA
 
-    def cell(criterion: Any) -> Cell:
+    def cell(criterion: Criterion) -> Cell:
         return Cell(lambda ax: draw_criterion(ax, result, criterion), 3.35, 2.6)
 
     return panels(
@@ -84,10 +88,14 @@ def over_temperature(result: Any) -> Picture | None:
 
 
 def _series(
-    ax: Any, readings: Sequence[Any], criterion: Any, result: Any, look: dict[str, Any]
+    ax: Any,
+    readings: Sequence[Reading],
+    criterion: Criterion,
+    result: BenchmarkResult,
+    look: dict[str, Any],
 ) -> None:
-    from dnanalyze.benchmarking.laws import estimate
     from dnanalyze.benchmarking.run import EXTRAPOLATION
+    from dnanalyze.benchmarking.temperature_laws import estimate
 
     good = [r for r in readings if r.value > 0]
     if not good:
@@ -116,7 +124,7 @@ def _series(
     )  # fmt: skip
 
 
-def draw_errors(ax: Any, result: Any) -> Any:
+def draw_errors(ax: Any, result: BenchmarkResult) -> Any:
     """Errors of the Gaussian, the Wang 2025 and the refined model of each sensor."""
     if not any(s.errors for s in result.sensors):
         return ax
@@ -141,7 +149,7 @@ def draw_errors(ax: Any, result: Any) -> Any:
     return ax
 
 
-def errors(result: Any) -> Picture | None:
+def errors(result: BenchmarkResult) -> Picture | None:
     """The errors as a picture."""
     return panels(
         [Cell(lambda ax: draw_errors(ax, result), 4.4, 0.8 + 0.62 * len(result.sensors))],
@@ -150,7 +158,7 @@ def errors(result: Any) -> Picture | None:
     )
 
 
-def draw_spectra(ax: Any, result: Any) -> Any:
+def draw_spectra(ax: Any, result: BenchmarkResult) -> Any:
     """Radial spectra at the hottest setting, over the high-frequency power of each sensor."""
     for place, sensor in enumerate(result.sensors):
         found = _spectrum(sensor)
@@ -164,7 +172,7 @@ def draw_spectra(ax: Any, result: Any) -> Any:
     return ax
 
 
-def _spectrum(sensor: Any) -> tuple[np.ndarray, np.ndarray] | None:
+def _spectrum(sensor: SensorRecord) -> tuple[np.ndarray, np.ndarray] | None:
     """Frequency and relative power of the mean frame, else of a single frame."""
     hottest = max(
         sensor.statistics.settings,
@@ -182,7 +190,7 @@ def _spectrum(sensor: Any) -> tuple[np.ndarray, np.ndarray] | None:
     return None
 
 
-def spectra(result: Any) -> Picture | None:
+def spectra(result: BenchmarkResult) -> Picture | None:
     """The spectra as a picture."""
     return panels(
         [Cell(lambda ax: draw_spectra(ax, result), 4.4, 3.0)],

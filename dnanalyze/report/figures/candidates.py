@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from dnanalyze.diagnosis.results import Candidate
 from dnanalyze.report.figures.palette import CALM
 from dnanalyze.report.figures.style import INK, MODEL, Cell, Picture, panels
-from dnanalyze.report.stages import BASELINE_STAGE
+from dnanalyze.report.refinement_stages import BASELINE_STAGE
 from dnanalyze.report.words import is_number, number, percent
 
 
 def draw_candidates(
-    ax: Any, found: Sequence[Any], error: float | None, ordinary: Sequence[str] = (), most: int = 10
+    ax: Any,
+    found: Sequence[Candidate],
+    error: float | None,
+    ordinary: Sequence[str] = (),
+    most: int = 10,
 ) -> Any:
     """Error after each candidate's full refit, best first, from the error before it.
 
@@ -56,7 +61,7 @@ def draw_candidates(
 
 
 def _bars(
-    found: Sequence[Any], error: float | None, ordinary: Sequence[str]
+    found: Sequence[Candidate], error: float | None, ordinary: Sequence[str]
 ) -> list[tuple[str, float, float, float]]:
     """Name, error before, error after, confidence; the baseline model is one, and first."""
     known = [c for c in found if is_number(c.error_after)]
@@ -75,7 +80,7 @@ def _bars(
 
 
 def candidates(
-    found: Sequence[Any], error: float | None, ordinary: Sequence[str] = (), most: int = 10
+    found: Sequence[Candidate], error: float | None, ordinary: Sequence[str] = (), most: int = 10
 ) -> Picture | None:
     """The candidates as a picture."""
     count = min(most, len(_bars(found, error, ordinary)))

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from dnanalyze.classifier.result import Classification
 from dnanalyze.report.figures.colour_bar import bar_cell
 from dnanalyze.report.figures.shading import COLOURS, draw_shading
 from dnanalyze.report.figures.style import Cell, Picture, panels
@@ -13,7 +12,7 @@ from dnanalyze.report.figures.style import Cell, Picture, panels
 GAP = 2  # pixels between patches
 
 
-def classifier_patches(result: Any) -> Picture | None:
+def classifier_patches(result: Classification) -> Picture | None:
     """Patches of the operating point and kind of picture that tell most; None without any."""
     told = result.patches
     if told is None:
@@ -27,7 +26,7 @@ def classifier_patches(result: Any) -> Picture | None:
         field = _mosaic(patches, min(across, len(patches)))
         wide = float(np.clip(2.6 * (field.shape[1] / field.shape[0]) ** 0.5, 1.2, 3.4))
         tall = min(3.6, wide * field.shape[0] / field.shape[1]) + 0.3
-        return Cell(lambda ax: draw_shading(ax, field, limit).set_title(name), wide, tall)
+        return Cell(lambda ax: draw_shading(ax, field, limit), wide, tall, title=name)
 
     cells = [cell("measured", told.measured), cell("simulated", told.simulated)]
     height = max(c.height for c in cells)

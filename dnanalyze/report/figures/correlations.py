@@ -20,8 +20,7 @@ def draw_correlations(ax: Any, names: Sequence[str], matrix: Any) -> Any:
     ax.set_yticks(range(len(shown)), shown)
     ax.set_xticks(range(len(shown)), shown, rotation=90)
     ax.tick_params(length=0)
-    for spine in ax.spines.values():
-        spine.set_visible(False)
+    ax.spines[:].set_visible(False)
     bar = ax.figure.colorbar(image, ax=ax, shrink=0.6, aspect=22, pad=0.02)
     bar.set_label("correlation coefficient")
     bar.outline.set_visible(False)

@@ -4,33 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache, partial
-from typing import Any
 
+from dnanalyze.channels.refinement import ChannelRefinement
+from dnanalyze.diagnosis.results import Refinement
+from dnanalyze.fitting.fit import Fit
 from dnanalyze.report.figures import (
-    codes,
+    code_use,
     distribution,
-    lines,
-    planes,
+    exceedance,
+    frame_means,
+    noise_and_dark_signal,
+    rows_and_columns,
     shading,
     spectrum,
-    tails,
-    timeline,
-    trends,
+    spectrum_2d,
 )
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.style import Layer, layers
-from dnanalyze.report.presentation import Draw
 
 Figure = Callable[[Sequence[Layer]], object]
 KINDS: dict[str, Figure] = {
-    "temperature": trends.over_temperature,
+    "temperature": noise_and_dark_signal.over_temperature,
     "distribution": distribution.histograms,
-    "tails": tails.exceedance,
+    "tails": exceedance.exceedance,
     "spectrum": spectrum.spectra,
-    "spectrum_2d": planes.planes,
-    "profiles": lines.profiles,
-    "line_spectra": lines.spectra,
-    "time": timeline.frame_means,
-    "codes": codes.roughness,
+    "spectrum_2d": spectrum_2d.planes,
+    "profiles": rows_and_columns.profiles,
+    "line_spectra": rows_and_columns.spectra,
+    "time": frame_means.frame_means,
+    "codes": code_use.roughness,
     "shading": shading.maps,
 }
 
@@ -51,7 +53,7 @@ def _one(figure: Figure, drawn: Callable[[], Sequence[Layer]]) -> object:
     return figure(drawn())
 
 
-def simulated(result: Any) -> Sequence[Layer]:
+def simulated(result: Fit | Refinement | ChannelRefinement) -> Sequence[Layer]:
     """The held-out data beside a simulation of the model, of a result that has both."""
     return layers(
         result.problem.measured[1], result.problem.statistics(result.model, errors=True)[1]

@@ -21,7 +21,7 @@ from dnanalyze.report.figures.style import (
     panels,
     quantity,
 )
-from dnanalyze.report.tables import info, worst
+from dnanalyze.report.statistic_rows import info, worst
 from dnanalyze.report.words import FAMILIES, family_title, is_number, number, point_label, varied
 
 LINEAR = 3.0  # sigma up to which the colour scale is linear, logarithmic beyond
@@ -61,8 +61,7 @@ def draw_heatmap(ax: Any, rows: Rows, most: int = 36) -> Any:
     ax.set_xticks(range(len(points)), points, rotation=90 if turned else 0)
     ax.xaxis.tick_top()
     ax.tick_params(length=0)
-    for spine in ax.spines.values():
-        spine.set_visible(False)
+    ax.spines[:].set_visible(False)
     _write(ax, grid, image)
     _families(ax, names, len(points))
     bar = ax.figure.colorbar(

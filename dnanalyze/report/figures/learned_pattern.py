@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.report.figures.shading import draw_shading
-from dnanalyze.report.figures.style import INK, Cell, Picture, panels
+from dnanalyze.description.pattern import LearnedPattern
+from dnanalyze.report.figures.description import draw_sizes, map_cell
+from dnanalyze.report.figures.style import Cell, Picture, panels
 
 MAX_MAP_SIDE = 192  # rows and columns of the map that are drawn
 
 
-def learned_pattern(result: Any) -> Picture | None:
+def learned_pattern(result: LearnedPattern) -> Picture | None:
     """Map and sizes; None where no pattern was learned."""
     field = result.effect.map.array
     if not field.any():
@@ -20,22 +21,12 @@ def learned_pattern(result: Any) -> Picture | None:
     small = _small(field)
     limit = float(np.percentile(np.abs(small), 99.5)) or 1.0
 
-    def draw_map(ax: Any) -> None:
-        draw_shading(ax, small, limit).set_title("pattern [DN]")
-
-    def draw_sizes(ax: Any) -> None:
-        warm = [p.temperature_c for p in result.points]
-        known = None not in warm and len(set(warm)) > 1
-        x = np.array(warm if known else range(1, len(warm) + 1), float)
-        told = np.isfinite(result.errors)
-        ax.errorbar(x[told], result.sizes[told], yerr=result.errors[told], fmt="o", color=INK,
-                    markersize=4)  # fmt: skip
-        ax.set_xlabel("temperature [°C]" if known else "operating point")
+    def draw(ax: Any) -> None:
+        draw_sizes(ax, result)
         ax.set_ylabel("size / size at the reference")
 
-    tall = min(3.4, max(1.2, 2.6 * small.shape[0] / small.shape[1]))
     return panels(
-        [Cell(draw_map, 2.7, tall + 0.3), Cell(draw_sizes)],
+        [map_cell(small, limit, "pattern [DN]"), Cell(draw)],
         f"Learned pattern at the reference operating point (red: +{limit:.3g} DN, blue: "
         f"−{limit:.3g} DN), and its size at every operating point.",
         "Map of the learned pattern, and its size over the operating points.",

@@ -13,6 +13,7 @@ from dnanalyze.report.figures.svg import svg_of
 from dnanalyze.report.figures.ticks import log_axis
 
 WIDTH = 10.4  # inch: the width of the page's column
+Draw = Callable[[], Any]  # a figure function with its arguments; None where nothing is to be seen
 
 
 @dataclass(frozen=True)
@@ -54,12 +55,21 @@ class Cell:
         Inch.
     share : str
         Panels with the same word here have the same vertical limits.
+    title : str
+        Above it; by default the one that ``draw`` sets.
     """
 
     draw: Callable[[Any], Any]
     width: float = 3.35
     height: float = 2.35
     share: str = ""
+    title: str = ""
+
+    def drawn_on(self, ax: Any) -> None:
+        """Draw into these axes."""
+        self.draw(ax)
+        if self.title:
+            ax.set_title(self.title)
 
 
 @dataclass(frozen=True)
@@ -114,7 +124,7 @@ def plotted(shown: Picture, ax: Any = None) -> Any:
     with styled():
         axes = _places(shown.cells, ax)
         for cell, own in zip(shown.cells, axes, strict=True):
-            cell.draw(own)
+            cell.drawn_on(own)
         _share(shown.cells, axes)
         if shown.legend:
             axes[0].legend()
@@ -158,7 +168,7 @@ def _share(cells: Sequence[Cell], axes: Sequence[Any]) -> None:
 def _drawn(cell: Cell) -> tuple[Any, Any]:
     fig = _figure(cell.width, cell.height)
     ax = fig.subplots()
-    cell.draw(ax)
+    cell.drawn_on(ax)
     return fig, ax
 
 

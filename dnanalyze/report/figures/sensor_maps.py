@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.emva.reading import biased
+from dnanalyze.report.figures.colour_bar import bar_below
 from dnanalyze.report.figures.style import Cell, Picture, panels
 from dnanalyze.report.words import point_label
 
@@ -83,9 +85,8 @@ def sensor_maps(measured: Statistics) -> Picture | None:
     height = min(max(WIDE * rows / columns, 0.9), 3.2)
 
     def cell(name: str, title: str, colours: str, limits: Limits) -> Cell:
-        return Cell(
-            lambda ax: draw_map(ax, setting, name, title, colours, limits), WIDE, 0.75 + height
-        )
+        draw = partial(draw_map, setting=setting, name=name, colours=colours, limits=limits)
+        return Cell(draw, WIDE, 0.75 + height, title=title)
 
     return panels(
         [cell(*item) for item in own],
@@ -98,20 +99,17 @@ def sensor_maps(measured: Statistics) -> Picture | None:
     )
 
 
-def draw_map(
-    ax: Any, setting: SettingStatistics, name: str, title: str, colours: str, limits: Limits
-) -> Any:
+def draw_map(ax: Any, setting: SettingStatistics, name: str, colours: str, limits: Limits) -> Any:
     """One map of the sensor with its colour bar in DN.
 
     Parameters
     ----------
     ax : matplotlib axes
     setting : SettingStatistics
-    name, title, colours, limits
+    name, colours, limits
         An item of ``MAPS``.
     """
     from matplotlib import colormaps
-    from matplotlib.ticker import MaxNLocator
 
     rows, columns = setting.shape
     values = np.asarray(setting.curves[name], float)
@@ -123,15 +121,5 @@ def draw_map(
         values, cmap=tones, vmin=low, vmax=high, interpolation="none",
         extent=(0, columns, rows, 0), aspect="equal",
     )  # fmt: skip
-    ax.grid(False)
-    ax.set_xticks([])
-    ax.set_yticks([])
-    ax.set_title(title)
-    bar = ax.figure.colorbar(image, ax=ax, orientation="horizontal", pad=0.03, aspect=18)
-    bar.set_label("DN")
-    bar.outline.set_visible(False)
-    bar.ax.tick_params(labelsize=7, length=2)
-    inside = high - low  # a label at the end of a bar would make its map smaller than the others
-    ticks = MaxNLocator(4).tick_values(low, high)
-    bar.set_ticks([t for t in ticks if 0.08 < (t - low) / inside < 0.92])
+    bar_below(ax, image, (low, high), aspect=18, margin=0.08)
     return ax

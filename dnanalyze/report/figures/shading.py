@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.colour_bar import bar_cell
 from dnanalyze.report.figures.style import (
     Cell,
@@ -18,6 +19,7 @@ from dnanalyze.report.figures.style import (
     panels,
     plane_note,
     shown_layers,
+    unframed,
 )
 
 COLOURS = "RdBu_r"
@@ -26,16 +28,13 @@ BAR = "block mean − mean [DN]"
 
 def draw_shading(ax: Any, field: np.ndarray, limit: float) -> Any:
     """One map of block means; colours run from minus to plus ``limit`` DN."""
-    ax.grid(visible=False)
     ax.imshow(field, cmap=COLOURS, vmin=-limit, vmax=limit, aspect="equal")
-    ax.set_xticks([])
-    ax.set_yticks([])
-    for spine in ax.spines.values():
-        spine.set_visible(False)
-    return ax
+    return unframed(ax)
 
 
-def fields(drawn: Sequence[Layer], setting: Any) -> tuple[dict[str, np.ndarray], float]:
+def fields(
+    drawn: Sequence[Layer], setting: SettingStatistics
+) -> tuple[dict[str, np.ndarray], float]:
     """Measured, model and residual by name, DN, and the limit of their common colour scale."""
     found = {k.label: _map(k.like(setting)) for k in shown_layers(drawn)}
     known = {name: field for name, field in found.items() if field is not None}
@@ -57,17 +56,15 @@ def maps(drawn: Sequence[Layer], most: int = 2) -> list[Picture | None]:
     ]
 
 
-def _row(drawn: Sequence[Layer], setting: Any, title: str, note: str) -> Picture | None:
+def _row(
+    drawn: Sequence[Layer], setting: SettingStatistics, title: str, note: str
+) -> Picture | None:
     found, limit = fields(drawn, setting)
 
     def cell(name: str, field: np.ndarray) -> Cell:
         wide = min(2.6, max(1.2, 2.0 * (field.shape[1] / field.shape[0]) ** 0.5))
         tall = wide * field.shape[0] / field.shape[1] + 0.3
-
-        def draw(ax: Any) -> None:
-            draw_shading(ax, field, limit).set_title(name)
-
-        return Cell(draw, wide, tall)
+        return Cell(lambda ax: draw_shading(ax, field, limit), wide, tall, title=name)
 
     cells = [cell(name, field) for name, field in found.items()]
     return panels(
@@ -81,7 +78,7 @@ def _row(drawn: Sequence[Layer], setting: Any, title: str, note: str) -> Picture
     )
 
 
-def _map(setting: Any) -> np.ndarray | None:
+def _map(setting: SettingStatistics | None) -> np.ndarray | None:
     found = curve(setting, "block_means")
     if found is None or found[0].ndim != 2:
         return None

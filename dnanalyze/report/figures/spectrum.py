@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -78,16 +79,16 @@ def spectra(drawn: Sequence[Layer], most: int = 3) -> Picture | None:
     if "temporal" in some and "frame" in some:
         some.remove("frame")
 
-    def cell(part: str, setting: SettingStatistics, title: str) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_spectrum(ax, drawn, setting, part).set_title(f"{PARTS[part]}, {title}")
-
-        return Cell(draw)
-
     cells, shown = [], []
     for part in some:
         shown = chosen(measured, most, has(*names_of(part)))
-        cells += [cell(part, s, t) for s, t in zip(shown, labels(shown), strict=True)]
+        cells += [
+            Cell(
+                partial(draw_spectrum, drawn=drawn, setting=s, part=part),
+                title=f"{PARTS[part]}, {t}",
+            )
+            for s, t in zip(shown, labels(shown), strict=True)
+        ]
     return panels(
         cells,
         "Power spectra over the radial frequency, normalised so that white noise of variance s² "

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.digits import symbol
+from dnanalyze.loaders.captures import Setting
 from dnanalyze.report.figures.palette import (
     ACCENT,
     GAUSSIAN,
@@ -28,7 +31,7 @@ __all__ = [
     "ACCENT", "GAUSSIAN", "HAIRLINE", "INK", "MODEL", "PAPER", "QUIET", "Cell", "Layer", "Picture",
     "axis_of", "chosen", "curve", "frequency_axis", "has", "labels", "layers", "log_axis",
     "main_run", "one_plane", "panels", "plane_note", "power_label", "quantity", "runs",
-    "styled", "thinned",
+    "styled", "thinned", "unframed",
 ]  # fmt: skip
 
 
@@ -153,7 +156,7 @@ def has(*names: str) -> Can:
     return lambda setting: curve(setting, *names) is not None
 
 
-def labels(settings: Sequence[SettingStatistics]) -> list[str]:
+def labels(settings: Sequence[SettingStatistics | Setting]) -> list[str]:
     """Short titles of settings: only what differs between them."""
     only = varied(vars(s.point) for s in settings)
     return [point_label(s.point, only) for s in settings]
@@ -182,7 +185,7 @@ def by_setting(
     drawn : sequence of Layer
         The measured first.
     draw : callable
-        Called with axes, layers and setting; returns the axes.
+        Called with axes, ``drawn`` and ``setting``.
     can : callable
         Whether a setting has what is drawn.
     texts : (str, str)
@@ -193,27 +196,16 @@ def by_setting(
     measured = drawn[0].statistics
     settings = chosen(measured, 3, can)
 
-    def cell(setting: SettingStatistics, title: str) -> Cell:
-        return Cell(lambda ax: draw(ax, drawn, setting).set_title(title), **size)
-
-    cells = [cell(s, t) for s, t in zip(settings, labels(settings), strict=True)]
+    cells = [
+        Cell(partial(draw, drawn=drawn, setting=s), title=t, **size)
+        for s, t in zip(settings, labels(settings), strict=True)
+    ]
     return panels(cells, texts[0] + plane_note(measured, settings), texts[1])
-
-
-UNITS = {
-    "DN^2": "DN²",
-    "C": "°C",
-    "c/px": "cycles/pixel",
-    "DN/e-": "DN/e⁻",
-    "1": "",
-    "e-": "e⁻",
-    "e-/s": "e⁻/s",
-}
 
 
 def quantity(text: str, unit: str) -> str:
     """Label of an axis: what it holds and its unit."""
-    shown = UNITS.get(unit, unit)
+    shown = symbol(unit.replace("c/px", "cycles/pixel"))
     return f"{text} [{shown}]" if shown else text
 
 
@@ -237,6 +229,14 @@ def thinned(x: np.ndarray, y: np.ndarray, most: int = 400) -> tuple[np.ndarray, 
     edges = np.unique(np.linspace(0, len(x), most + 1).astype(int))
     counts = np.diff(edges)
     return np.add.reduceat(x, edges[:-1]) / counts, np.add.reduceat(y, edges[:-1]) / counts
+
+
+def unframed(ax: Any) -> Any:
+    """An image without grid, ticks and frame."""
+    ax.grid(visible=False)
+    ax.set(xticks=[], yticks=[])
+    ax.spines[:].set_visible(False)
+    return ax
 
 
 def shown_layers(drawn: Iterable[Layer]) -> list[Layer]:

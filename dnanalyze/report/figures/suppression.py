@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.detection.series import SuppressionSeries
 from dnanalyze.report.figures.style import GAUSSIAN, INK, QUIET, Cell, Picture, panels
 
 
-def draw_suppression(ax: Any, series: Any) -> Any:
+def draw_suppression(ax: Any, series: SuppressionSeries | None) -> Any:
     """Measured suppression with what an unfiltered sensor and linear crosstalk would give.
 
     Parameters
@@ -33,7 +34,7 @@ def draw_suppression(ax: Any, series: Any) -> Any:
     return ax
 
 
-def suppression(series: Any) -> Picture | None:
+def suppression(series: SuppressionSeries | None) -> Picture | None:
     """The series as a picture."""
     return panels(
         [Cell(lambda ax: draw_suppression(ax, series), 4.4, 2.8)],

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from dnanalyze.checking.check import Check
 from dnanalyze.report.figures.style import (
     GAUSSIAN,
     HAIRLINE,
@@ -21,7 +22,7 @@ CHARACTER = 0.062  # inch, of a name
 FARTHEST = 3.0  # half widths of a limit, beyond which a value is drawn at the edge
 
 
-def targets(checks: Sequence[Any], most: int = 40) -> Picture | None:
+def targets(checks: Sequence[Check], most: int = 40) -> Picture | None:
     """Where each value lies within its limits: -1 the lower limit, 1 the upper; violated first.
 
     Parameters
@@ -43,7 +44,7 @@ def targets(checks: Sequence[Any], most: int = 40) -> Picture | None:
     )
 
 
-def draw_targets(ax: Any, shown: Sequence[tuple[Any, float]]) -> Any:
+def draw_targets(ax: Any, shown: Sequence[tuple[Check, float]]) -> Any:
     """Values at their places within the limits.
 
     Parameters
@@ -72,7 +73,7 @@ def draw_targets(ax: Any, shown: Sequence[tuple[Any, float]]) -> Any:
     return ax
 
 
-def position(check: Any) -> float | None:
+def position(check: Check) -> float | None:
     """-1 at the lower limit, 1 at the upper; of one limit, its share. None without a value."""
     if not math.isfinite(check.value):
         return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from dnanalyze.diagnosis.results import Step
 from dnanalyze.report.figures.style import (
     ACCENT,
     GAUSSIAN,
@@ -16,13 +17,13 @@ from dnanalyze.report.figures.style import (
     Picture,
     panels,
 )
-from dnanalyze.report.stages import BASELINE_STAGE, stages
+from dnanalyze.report.refinement_stages import BASELINE_STAGE, stages
 from dnanalyze.report.words import is_number, number
 
 RANGE = 6.0  # ratio of the errors from which the axis is logarithmic
 
 
-def draw_waterfall(ax: Any, steps: Sequence[Any]) -> Any:
+def draw_waterfall(ax: Any, steps: Sequence[Step]) -> Any:
     """Bars from the error before each stage to the error after it.
 
     Parameters
@@ -82,20 +83,17 @@ def _lines(name: str) -> str:
     return "\n".join(lines)
 
 
-def waterfall(steps: Sequence[Any]) -> Picture | None:
+def waterfall(steps: Sequence[Step]) -> Picture | None:
     """The waterfall as a picture."""
     return waterfalls({"": steps})
 
 
-def waterfalls(parts: Mapping[str, Sequence[Any]]) -> Picture | None:
+def waterfalls(parts: Mapping[str, Sequence[Step]]) -> Picture | None:
     """A waterfall for each part of a refinement, such as an HDR channel, under its name."""
 
-    def cell(name: str, steps: Sequence[Any]) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_waterfall(ax, steps)
-            ax.set_title(name)
-
-        return Cell(draw, max(3.6, 0.95 * (len(stages(steps)) + 1) + 0.6), 3.0)
+    def cell(name: str, steps: Sequence[Step]) -> Cell:
+        wide = max(3.6, 0.95 * (len(stages(steps)) + 1) + 0.6)
+        return Cell(lambda ax: draw_waterfall(ax, steps), wide, 3.0, title=name)
 
     shown = {name: stages(steps) for name, steps in parts.items()}
     text = "; ".join(

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
-from dnanalyze.report.documents import Document
+from dnanalyze.benchmarking.benchmark_value import BenchmarkValue
+from dnanalyze.benchmarking.run import BenchmarkResult, RankingPlace
+from dnanalyze.benchmarking.sensor_record import SensorRecord
+from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.figures import benchmark as figures
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.page import Page, Section, Table
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.plain import estimate
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections import benchmark as parts
 from dnanalyze.report.sections.benchmark import groups, middle_of, summary
 from dnanalyze.report.words import (
@@ -29,10 +31,11 @@ SHOWN = {
     "dark_current", "temporal_noise", "dsnu", "hot_pixels", "row_noise", "read_noise",
     "activation_energy", "error_gaussian", "error_paper", "error_refined",
 }  # fmt: skip
+RANKING = "criterion", "title", "unit", "temperature_c"
 HEADLINE = ("dark_current", "read_noise", "dsnu", "hot_pixels")
 
 
-def headline(result: Any) -> str:
+def headline(result: BenchmarkResult) -> str:
     """Who leads where, of those that are ranked, and where none does; no overall score."""
     leads: dict[str, list[str]] = {}
     alike: list[str] = []
@@ -56,7 +59,7 @@ def headline(result: Any) -> str:
     return f"Of {len(result.sensors)} sensors{at}, {'; '.join(parts)}."
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: BenchmarkResult) -> list[Section]:
     """The figures at one common temperature, the effects of each, the caveats."""
     names = [s.name for s in result.sensors]
     wide = len(names) < 4  # room for names and errors
@@ -97,14 +100,14 @@ def sections(result: Any) -> list[Section]:
     ]
 
 
-def _cell(figure: Any, wide: bool) -> str:
+def _cell(figure: BenchmarkValue, wide: bool) -> str:
     """With its error where there is room."""
     if not figure.known:
         return "–"
     return with_error(figure.value, figure.se) if wide else number(figure.value)
 
 
-def page(result: Any) -> Page:
+def page(result: BenchmarkResult) -> Page:
     """The report."""
     return Page(
         "Benchmark of sensors",
@@ -124,27 +127,31 @@ def page(result: Any) -> Page:
     )
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: BenchmarkResult) -> pd.DataFrame:
     """One row a criterion, temperature and sensor."""
     rows = [
-        {
-            "criterion": r.criterion,
-            "title": r.title,
-            "unit": r.unit,
-            "temperature_c": r.temperature_c,
-            "sensor": p.sensor,
-            **estimate(p.figure.value, p.figure.se),
-            "rank": p.rank,
-            "not_distinguishable_from": " ".join(p.alike),
-            "note": p.figure.note,
-        }
+        fields_of(r, *RANKING)
+        | {"sensor": p.sensor, **estimate(p.figure.value, p.figure.se)}
+        | _place(p)
+        | {"not_distinguishable_from": " ".join(p.alike)}
         for r in result.rankings
         for p in r.places
     ]
     return pd.DataFrame(rows)
 
 
-def document(result: Any) -> Document:
+def _place(place: RankingPlace) -> Document:
+    """A sensor's place under a criterion."""
+    return {
+        "sensor": place.sensor,
+        "rank": place.rank,
+        "not_distinguishable_from": place.alike,
+        **estimate(place.figure.value, place.figure.se),
+        "note": place.figure.note,
+    }
+
+
+def document(result: BenchmarkResult) -> Document:
     """The JSON document."""
     folders = [s.folder for s in result.sensors]
     return made(
@@ -154,33 +161,16 @@ def document(result: Any) -> Document:
         temperatures_c=result.temperatures,
         sensors=[_sensor(s) for s in result.sensors],
         rankings=[
-            {
-                "criterion": r.criterion,
-                "title": r.title,
-                "unit": r.unit,
-                "temperature_c": r.temperature_c,
-                "better": r.better,
-                "places": [
-                    {
-                        "sensor": p.sensor,
-                        "rank": p.rank,
-                        "not_distinguishable_from": p.alike,
-                        **estimate(p.figure.value, p.figure.se),
-                        "note": p.figure.note,
-                    }
-                    for p in r.places
-                ],
-            }
+            fields_of(r, *RANKING, "better") | {"places": [_place(p) for p in r.places]}
             for r in result.rankings
         ],
         notes=result.notes,
     )
 
 
-def _sensor(sensor: Any) -> Document:
+def _sensor(sensor: SensorRecord) -> Document:
     return {
-        "name": sensor.name,
-        "folder": sensor.folder,
+        **fields_of(sensor, "name", "folder"),
         "shape": sensor.sensor.shape,
         "pixel_pitch_um": sensor.sensor.pixel_pitch_um,
         "temperatures_c": sensor.temperatures,
@@ -188,8 +178,7 @@ def _sensor(sensor: Any) -> Document:
             **estimate(sensor.dn_per_e.value, sensor.dn_per_e.se),
             "note": sensor.dn_per_e.note,
         },
-        "errors": sensor.errors,
-        "verdict": sensor.verdict,
+        **fields_of(sensor, "errors", "verdict", "notes", "filtered"),
         "effects": [
             {
                 "effect": e.effect,
@@ -200,16 +189,14 @@ def _sensor(sensor: Any) -> Document:
             }
             for e in sensor.effects
         ],
-        "filtered": sensor.filtered,
         "filter": sensor.filter_kind,
         "readings": {
             name: [vars(r) for r in readings] for name, readings in sensor.readings.items()
         },
-        "notes": sensor.notes,
     }
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: BenchmarkResult) -> Mapping[str, Draw]:
     """Figures over temperature, spectra, errors."""
     return {
         "temperature": lambda: figures.over_temperature(result),

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
 
 import pandas as pd
 
+from dnanalyze.channels.refinement import ChannelRefinement
+from dnanalyze.diagnosis.results import Diagnosis, Refinement
+from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.figures.families import family_plots, simulated
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.waterfall import waterfall, waterfalls
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.plain import plain
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import comparison as compare
 from dnanalyze.report.results import diagnosis, refinement
 from dnanalyze.report.sections.model import model_section
@@ -33,7 +34,7 @@ from dnanalyze.report.words import (
 table = refinement.table
 
 
-def headline(result: Any) -> str:
+def headline(result: ChannelRefinement) -> str:
     """The verdict in one sentence."""
     own = {c: names for c, names in result.own.items() if names}
     places = [f"{listing(_names(result.channels[c], names))} in {c}" for c, names in own.items()]
@@ -48,7 +49,7 @@ def headline(result: Any) -> str:
     return sentence(f"{text}{shown}, with one model of all channels")
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: ChannelRefinement) -> list[Section]:
     """The effects of each channel, its model error, and that of the one model of all channels."""
     rows = [
         (
@@ -71,13 +72,13 @@ def sections(result: Any) -> list[Section]:
     ]  # fmt: skip
 
 
-def _names(part: Any, effects: Iterable[str]) -> list[str]:
+def _names(part: Refinement, effects: Iterable[str]) -> list[str]:
     """Effects of one channel, those that are not sure as such."""
     sure = {step.added: step.confidence for step in part.steps}
     return [naming(effect, sure.get(effect)) for effect in effects]
 
 
-def page(result: Any) -> Page:
+def page(result: ChannelRefinement) -> Page:
     """The report: which effect belongs where, each channel's steps, the one model compared."""
     from dnanalyze.comparator.compare import compare_on
 
@@ -112,12 +113,13 @@ def page(result: Any) -> Page:
     )
 
 
-def document(result: Any) -> Document:
+def document(result: ChannelRefinement) -> Document:
     """As of one channel, with what each channel needed."""
-    found = refinement.document(result, headline(result)) | {"error": result.error}
+    found = refinement.body(result)
     for step, own in zip(found["steps"], result.steps, strict=True):
         if own.channel is not None:
             step["channel"] = own.channel
+    searches = result.channels.values()
     parts = {
         name: {
             "effects": part.effects,
@@ -128,11 +130,24 @@ def document(result: Any) -> Document:
         }
         for name, part in result.channels.items()
     }
-    more = fields_of(result, "findings", "shared", "own") | {"channels": parts}
-    return found | dict(plain(more))
+    return made(
+        "refine",
+        result.captures.name,
+        **found,
+        headline=headline(result),
+        error=result.error,
+        undetermined=[],
+        direct=[],
+        level=None,
+        coverage=None,
+        finished=all(part.finished for part in searches),
+        timed_out=any(part.timed_out for part in searches),
+        **fields_of(result, "findings", "shared", "own"),
+        channels=parts,
+    )
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: ChannelRefinement) -> Mapping[str, Draw]:
     """The steps together and by channel, then each family of statistics."""
     own: dict[str, Draw] = {
         "steps": lambda: waterfall(result.steps),
@@ -141,12 +156,12 @@ def plots(result: Any) -> Mapping[str, Draw]:
     return own | family_plots(lambda: simulated(result))
 
 
-def diagnoses_headline(found: Mapping[str, Any], verdict: str) -> str:
+def diagnoses_headline(found: Mapping[str, Diagnosis], verdict: str) -> str:
     """The verdict over all channels."""
     return sentence(f"{len(found)} channels, each diagnosed separately: {verdict}")
 
 
-def diagnoses_sections(found: Mapping[str, Any]) -> list[Section]:
+def diagnoses_sections(found: Mapping[str, Diagnosis]) -> list[Section]:
     """Each channel's verdict and best candidate, with the evidence for it."""
     best = {name: leading(d) for name, d in found.items()}
     rows = [
@@ -163,8 +178,8 @@ def diagnoses_sections(found: Mapping[str, Any]) -> list[Section]:
     said = [
         f"{name}: {sentence(text)}"
         for name, d in found.items()
-        if d.verdict == "missing" and best[name]
-        for text in best[name].evidence[:2]
+        if d.verdict == "missing" and (c := best[name])
+        for text in c.evidence[:2]
     ]
     columns = ("channel", "verdict", "candidate", "model error", "error after", "confidence")
     return [
@@ -173,7 +188,7 @@ def diagnoses_sections(found: Mapping[str, Any]) -> list[Section]:
     ]
 
 
-def diagnoses_page(captures: Any, found: Mapping[str, Any], verdict: str) -> Page:
+def diagnoses_page(captures: CaptureSet, found: Mapping[str, Diagnosis], verdict: str) -> Page:
     """The report: every channel's diagnosis, one after another."""
     return page_of(
         captures,
@@ -192,7 +207,7 @@ def diagnoses_page(captures: Any, found: Mapping[str, Any], verdict: str) -> Pag
     )
 
 
-def diagnoses_document(where: str, found: Mapping[str, Any], verdict: str) -> Document:
+def diagnoses_document(where: str, found: Mapping[str, Diagnosis], verdict: str) -> Document:
     """Every channel's diagnosis, and all their candidates in one list, most telling first."""
     parts = {name: diagnosis.document(d) for name, d in found.items()}
     candidates = [c | {"channel": name} for name, part in parts.items() for c in part["candidates"]]
@@ -210,7 +225,7 @@ def diagnoses_document(where: str, found: Mapping[str, Any], verdict: str) -> Do
     )
 
 
-def diagnoses_table(found: Mapping[str, Any]) -> pd.DataFrame:
+def diagnoses_table(found: Mapping[str, Diagnosis]) -> pd.DataFrame:
     """The candidates of every channel."""
     parts = [diagnosis.table(d).assign(channel=name) for name, d in found.items()]
     return pd.concat(parts, ignore_index=True)

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
-from xml.sax.saxutils import escape, quoteattr
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import pandas as pd
 
+from dnanalyze.checking.check import Check, CheckResult
+from dnanalyze.checking.targets import Targets
 from dnanalyze.digits import minus, resolving
 from dnanalyze.report.documents import Document, fields_of, point
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.targets import targets as picture
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.words import family_title, number, plural, symbol, unit_text
 
 MOST_ROWS = 20
 
 
-def limit(check: Any) -> str:
+def limit(check: Check) -> str:
     """``1.9 to 2.1 DN``, ``at most 1.3``."""
     unit = unit_text(check.unit)
     low, high = math.isfinite(check.lower), math.isfinite(check.upper)
@@ -33,12 +34,12 @@ def limit(check: Any) -> str:
     return "any value"
 
 
-def value(check: Any) -> str:
+def value(check: Check) -> str:
     """The value of the simulation to the digits of its limits."""
     return number(check.value, resolving(check.lower, check.upper))
 
 
-def excess(check: Any) -> str:
+def excess(check: Check) -> str:
     """By how much a value is outside: ``+0.31 DN (+12 %, 5.2 sigma)``."""
     if math.isnan(check.value):
         return f"no value: {check.reason}"
@@ -54,7 +55,7 @@ def excess(check: Any) -> str:
     return f"{sign}{number(abs(check.beyond), 3)}{unit} beyond its limit{tail}"
 
 
-def look(check: Any) -> str:
+def look(check: Check) -> str:
     """Which figure shows it."""
     if check.family == "model":
         return "the model file"
@@ -63,7 +64,7 @@ def look(check: Any) -> str:
     return f"'{family_title(check.family)}'"
 
 
-def headline(result: Any) -> str:
+def headline(result: CheckResult) -> str:
     """Passed or failed, in one sentence."""
     total = plural(len(result.checks), "target")
     known = len(result.known_misses)
@@ -73,33 +74,34 @@ def headline(result: Any) -> str:
     return f"Failed: {len(result.failures)} of {total} violated{tail}."
 
 
-def junit(result: Any) -> str:
+def junit(result: CheckResult) -> str:
     """JUnit XML: one test case a target, its suite the captures."""
-    checks: Sequence[Any] = result.checks
-    skipped = len(result.known_misses)
-    counts = (
-        f'tests="{len(checks)}" failures="{len(result.failures)}" errors="0" skipped="{skipped}"'
-    )
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        f'<testsuites name="dnanalyze check" {counts}>',
-        f"<testsuite name={_attribute(result.captures.name)} {counts}>",
-    ]
-    for check in checks:
-        group = _attribute(f"dnanalyze.{check.kind}.{check.family}")
-        case = f"<testcase classname={group} name={_attribute(check.name)}"
+    counts = {
+        "tests": str(len(result.checks)),
+        "failures": str(len(result.failures)),
+        "errors": "0",
+        "skipped": str(len(result.known_misses)),
+    }
+    root = Element("testsuites", {"name": "dnanalyze check", **counts})
+    suite = SubElement(root, "testsuite", {"name": _clean(result.captures.name), **counts})
+    for check in result.checks:
+        group = f"dnanalyze.{check.kind}.{check.family}"
+        case = SubElement(suite, "testcase", {"classname": group, "name": _clean(check.name)})
         if check.passed:
-            lines.append(f"{case}/>")
             continue
-        text = f"{value(check)} is {excess(check)}; limit {limit(check)}; see {look(check)}"
-        if math.isnan(check.value):
-            text = f"{excess(check)}; limit {limit(check)}; see {look(check)}"
+        text = _clean(f"{_off(check)}; limit {limit(check)}; see {look(check)}")
         if check.enforced:
-            inner = f"<failure message={_attribute(text)}>{escape(_clean(text))}</failure>"
+            SubElement(case, "failure", message=text).text = text
         else:
-            inner = f"<skipped message={_attribute(f'known violation, not enforced: {text}')}/>"
-        lines.append(f"{case}>{inner}</testcase>")
-    return "\n".join([*lines, "</testsuite>", "</testsuites>", ""])
+            SubElement(case, "skipped", message=f"known violation, not enforced: {text}")
+    indent(root, "")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{tostring(root, "unicode")}\n'
+
+
+def _off(check: Check) -> str:
+    """The value and by how much it is outside."""
+    has_value = not math.isnan(check.value)
+    return f"{value(check)} is {excess(check)}" if has_value else excess(check)
 
 
 def _clean(text: str) -> str:
@@ -107,11 +109,7 @@ def _clean(text: str) -> str:
     return "".join(c for c in text if c >= " " or c in "\t\n")
 
 
-def _attribute(text: str) -> str:
-    return quoteattr(_clean(text))
-
-
-def markdown(result: Any, targets: str, model: str | None = None) -> str:
+def markdown(result: CheckResult, targets: str, model: str | None = None) -> str:
     """A summary for a pull request or a job's page."""
     lines = [f"### {'✅' if result.passed else '❌'} Dark noise: {headline(result)}", ""]
     rows = result.failures[:MOST_ROWS]
@@ -138,7 +136,7 @@ def markdown(result: Any, targets: str, model: str | None = None) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _table(title: str, rows: Sequence[Any]) -> list[str]:
+def _table(title: str, rows: Sequence[Check]) -> list[str]:
     if not rows:
         return []
     lines = [
@@ -156,7 +154,7 @@ def _cell(text: str) -> str:
     return " ".join(str(text).split()).replace("|", "\\|").replace("<", "&lt;")
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: CheckResult) -> list[Section]:
     """Each violated target with its size and its figure, then those that are met."""
     said = [
         f"{c.name}: {'' if math.isnan(c.value) else f'{value(c)}, '}{excess(c)}; "
@@ -184,7 +182,7 @@ def sections(result: Any) -> list[Section]:
     ]  # fmt: skip
 
 
-def _rows(checks: Sequence[Any]) -> Table:
+def _rows(checks: Sequence[Check]) -> Table:
     cells = [
         (c.name, limit(c), value(c), number(c.measured, resolving(c.lower, c.upper)), excess(c))
         for c in checks
@@ -192,8 +190,9 @@ def _rows(checks: Sequence[Any]) -> Table:
     return Table(("target", "limit", "simulated", "measured", "deviation"), cells, words=2)
 
 
-def proposed(made: Any) -> tuple[str, list[Section]]:
+def proposed(made: Targets) -> tuple[str, list[Section]]:
     """What a new targets file contains: the verdict and its sections."""
+    assert made.false_failures is not None
     missed = [t for t in made.targets if not t.enforced]
     runs = f"{1 / made.false_failures:,.0f} runs"
     names = ", ".join(dict.fromkeys(str(t.statistic) for t in missed))
@@ -204,7 +203,7 @@ def proposed(made: Any) -> tuple[str, list[Section]]:
     )
 
 
-def page(result: Any) -> Page:
+def page(result: CheckResult) -> Page:
     """The report."""
     tone = "good" if result.passed else "poor"
     return page_of(result.captures, "Check", headline(result), sections(result), tone=tone)
@@ -213,7 +212,7 @@ def page(result: Any) -> Page:
 KEYS = "name", "kind", "plane", "value", "measured", "unit", "passed", "enforced"
 
 
-def document(result: Any) -> Document:
+def document(result: CheckResult) -> Document:
     """The JSON document."""
     checks = [
         point(c.point)
@@ -239,7 +238,7 @@ def document(result: Any) -> Document:
     )
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: CheckResult) -> pd.DataFrame:
     """The targets with their limits and values."""
     return pd.DataFrame(
         [
@@ -251,6 +250,6 @@ def table(result: Any) -> pd.DataFrame:
     )
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: CheckResult) -> Mapping[str, Draw]:
     """The targets."""
     return {"targets": lambda: picture(result.checks)}

@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
+from dnanalyze.classifier.result import Cell, Classification
 from dnanalyze.report.documents import Document, fields_of, point
 from dnanalyze.report.figures.classifier import classifier_patches
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections.model import model_section
-from dnanalyze.report.tables import POINT
+from dnanalyze.report.statistic_rows import POINT
 from dnanalyze.report.words import point_label, varied
 
 CELL = "view", "auc", "low", "high", "control"
 
 
-def headline(result: Any) -> str:
+def headline(result: Classification) -> str:
     """Whether a classifier distinguishes simulated from measured frames."""
     return str(result.sentence())
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: Classification) -> list[Section]:
     """What tells the frames apart, and the area at every operating point."""
     parts = varied(vars(c.point) for c in result.cells)
     rows = [
@@ -51,14 +51,14 @@ def sections(result: Any) -> list[Section]:
     ]  # fmt: skip
 
 
-def line(result: Any) -> list[Section]:
+def line(result: Classification | None) -> list[Section]:
     """Its one sentence, in the terminal below another result."""
     if result is None:
         return []
     return [Section("told", "Classifier two-sample test", text=[headline(result)], paged=False)]
 
 
-def page(result: Any) -> Page:
+def page(result: Classification) -> Page:
     """The report."""
     return page_of(
         result.captures,
@@ -69,34 +69,35 @@ def page(result: Any) -> Page:
     )
 
 
-def body(result: Any) -> Document:
+def body(result: Classification) -> Document:
     """The area under the ROC curve where it tells most, and at every operating point."""
     own = fields_of(result, "auc", "low", "high", "control", "tells", "telling", "finished")
     return own | {
         "sentence": headline(result),
         "reason": result.reason or None,
-        "points": [point(c.point) | fields_of(c, *CELL) for c in result.cells],
+        "points": [_placed(c) for c in result.cells],
         "together": [fields_of(c, *CELL) for c in result.together],
     }
 
 
-def document(result: Any) -> Document:
+def document(result: Classification) -> Document:
     """Whether a classifier can tell the simulated frames from the measured ones."""
     return made("classify", result.captures.name, **body(result), model=result.model)
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: Classification) -> pd.DataFrame:
     """The area under the ROC curve by operating point and kind of picture.
 
     Rows without an operating point are of all operating points together.
     """
-    every = (*result.cells, *result.together)
-    places = [dict.fromkeys(POINT) if c.point is None else point(c.point) for c in every]
-    return pd.DataFrame(
-        [place | fields_of(c, *CELL) for place, c in zip(places, every, strict=True)]
-    )
+    return pd.DataFrame([_placed(c) for c in (*result.cells, *result.together)])
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def _placed(cell: Cell) -> Document:
+    at = dict.fromkeys(POINT) if cell.point is None else point(cell.point)
+    return at | fields_of(cell, *CELL)
+
+
+def plots(result: Classification) -> Mapping[str, Draw]:
     """The patches that tell most."""
     return {"patches": lambda: classifier_patches(result)}

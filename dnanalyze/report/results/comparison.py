@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
 from dnanalyze.analyzers.families.trends import law_doubts
+from dnanalyze.classifier.result import Classification
+from dnanalyze.comparator.compare import Comparison
 from dnanalyze.comparator.rivals import Rivals
 from dnanalyze.report import words
 from dnanalyze.report.documents import Document, coverage, level
 from dnanalyze.report.figures import heatmap
 from dnanalyze.report.figures.families import family_plots
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.style import layers
 from dnanalyze.report.leads import compare_lead
 from dnanalyze.report.page import Page, Section, Table, page_of, tone_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import classification
 from dnanalyze.report.results.statistics import missing_section
 from dnanalyze.report.sections.front import front, model_layers
@@ -26,12 +27,12 @@ from dnanalyze.report.sections.panels import family_panels, largest
 from dnanalyze.report.words import number, sentence
 
 
-def headline(result: Any) -> str:
+def headline(result: Comparison) -> str:
     """The model error, and what it means."""
     return words.with_remarks(words.compare_headline(result.error, result.baselines), result)
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: Comparison) -> list[Section]:
     """Where the model fails, family by family, and the largest discrepancies."""
     known = {k: v for k, v in result.families.items() if words.is_number(v)}
     top = max([*known.values(), 1.0])
@@ -50,7 +51,7 @@ def sections(result: Any) -> list[Section]:
     ]  # fmt: skip
 
 
-def overview(result: Any) -> Section:
+def overview(result: Comparison) -> Section:
     """Which families and which statistics differ most."""
     return Section(
         "error",
@@ -62,7 +63,7 @@ def overview(result: Any) -> Section:
     )
 
 
-def families(result: Any) -> list[Section]:
+def families(result: Comparison) -> list[Section]:
     """The comparison family by family."""
     drawn = layers(result.measured, result.simulated, result.gaussian)
     return [
@@ -83,7 +84,9 @@ def numbers(error: float, baselines: Mapping[str, float]) -> list[tuple[str, str
     return [*shown, ("1", "a second sensor of the same design")]
 
 
-def page(result: Any, judged: Any = None, rivals: Rivals | None = None) -> Page:
+def page(
+    result: Comparison, judged: Classification | None = None, rivals: Rivals | None = None
+) -> Page:
     """The report; with a classification of the same frames, its section."""
     lead = compare_lead(result)
     return page_of(
@@ -109,7 +112,7 @@ def page(result: Any, judged: Any = None, rivals: Rivals | None = None) -> Page:
     )
 
 
-def document(result: Any, judged: Any = None) -> Document:
+def document(result: Comparison, judged: Classification | None = None) -> Document:
     """The error, the baselines and every row behind them; the classification, if any."""
     return made(
         "compare",
@@ -126,12 +129,12 @@ def document(result: Any, judged: Any = None) -> Document:
     )
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: Comparison) -> pd.DataFrame:
     """The rows behind the error."""
     return pd.DataFrame([dict(row) for row in result.statistics])
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: Comparison) -> Mapping[str, Draw]:
     """Errors, discrepancies, then each family of statistics."""
     own: dict[str, Draw] = {
         "families": lambda: heatmap.families(result.families, result.baselines, result.error),

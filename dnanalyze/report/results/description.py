@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
+from dnanalyze.description.describe import Description
+from dnanalyze.description.pattern import LearnedPattern
 from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.figures.description import description as picture
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.plain import estimate
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import classification, learnedpattern
 from dnanalyze.report.sections.model import model_section
 from dnanalyze.report.words import (
@@ -28,7 +29,7 @@ TONES = {"adequate": "good", "described": "good", "possible": "fair", "nothing":
 headline = describe_headline
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: Description) -> list[Section]:
     """Figure, numbers, evidence, nearest effects, further structures, recommended captures."""
     numbers = [
         (
@@ -59,7 +60,7 @@ def sections(result: Any) -> list[Section]:
     ]
 
 
-def in_short(result: Any) -> list[Section]:
+def in_short(result: Description) -> list[Section]:
     """The sentence alone, and how to go on with it."""
     more = ["`dnanalyze describe` adds it to the model."] if result.effect is not None else []
     return [
@@ -68,7 +69,7 @@ def in_short(result: Any) -> list[Section]:
     ]
 
 
-def page(result: Any, pattern: Any = None) -> Page:
+def page(result: Description, pattern: LearnedPattern | None = None) -> Page:
     """The report, with the learned pattern, if any."""
     told = result.classification
     return page_of(
@@ -86,7 +87,7 @@ def page(result: Any, pattern: Any = None) -> Page:
     )
 
 
-def document(result: Any, pattern: Any = None) -> Document:
+def document(result: Description, pattern: LearnedPattern | None = None) -> Document:
     """Structure of the residual that no effect of the catalogue explains, in words and numbers."""
     told = result.classification
     return made(
@@ -109,7 +110,7 @@ def document(result: Any, pattern: Any = None) -> Document:
     )  # fmt: skip
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: Description) -> pd.DataFrame:
     """The numbers."""
     return pd.DataFrame(
         [
@@ -119,6 +120,6 @@ def table(result: Any) -> pd.DataFrame:
     )
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: Description) -> Mapping[str, Draw]:
     """The structure."""
     return {"structure": lambda: picture(result.look)}

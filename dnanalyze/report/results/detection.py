@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from dnanalyze.detection.results import Detection, Finding
+from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.report.documents import Document
 from dnanalyze.report.figures import filter_tests
-from dnanalyze.report.figures.against_neighbours import scatter
 from dnanalyze.report.figures.filter_tests import TITLES
+from dnanalyze.report.figures.pictures import Draw
+from dnanalyze.report.figures.pixel_and_neighbours import scatter
 from dnanalyze.report.figures.style import labels
 from dnanalyze.report.figures.suppression import suppression
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.words import (
+    FILTERS,
     celsius,
     is_number,
     listing,
@@ -28,11 +30,6 @@ from dnanalyze.report.words import (
     texts,
 )
 
-KINDS = {
-    "dpc": "defect-pixel correction",
-    "denoise": "spatial denoise",
-    "temporal_denoise": "temporal denoise",
-}
 ESTIMATE = {
     "subkind": ("kind", ""),
     "view": ("applied to the", ""),
@@ -47,7 +44,7 @@ ESTIMATE = {
 }
 
 
-def headline(result: Any) -> str:
+def headline(result: Detection) -> str:
     """The verdict in one or two sentences."""
     if not result.filtered and result.confidence == 0:
         return (
@@ -59,15 +56,15 @@ def headline(result: Any) -> str:
             "No sign of defect-pixel correction or denoise: the frames agree with unfiltered "
             "frames."
         )
-    text = f"Filtered: these frames passed {KINDS.get(result.kind, result.kind)}"
+    text = f"Filtered: these frames passed {FILTERS.get(result.kind, result.kind)}"
     if is_number(result.confidence):
         text += f" ({percent(result.confidence)} confidence)"
     if result.also:
-        text += f"; there are signs of {listing(KINDS.get(k, k) for k in result.also)} too"
+        text += f"; there are signs of {listing(FILTERS.get(k, k) for k in result.also)} too"
     return sentence(text)
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: Detection) -> list[Section]:
     """The evidence, what is not determined, and the tests."""
     flagged = [f for f in result.findings if f.flagged]
     others = [f for f in result.findings if not f.flagged]
@@ -91,11 +88,11 @@ def sections(result: Any) -> list[Section]:
     ]
 
 
-def _tests(findings: Sequence[Any], folded: bool = False) -> Table:
+def _tests(findings: Sequence[Finding], folded: bool = False) -> Table:
     rows = [
         (
             TITLES.get(f.test, f.test.replace("_", " ")),
-            KINDS.get(f.kind, f.kind),
+            FILTERS.get(f.kind, f.kind),
             celsius(f.temperature_c) if is_number(f.temperature_c) else "all",
             f.view,
             probability(f.p_value),
@@ -110,7 +107,7 @@ def _tests(findings: Sequence[Any], folded: bool = False) -> Table:
     return Table(columns, rows, words=4, title=title, folded=folded)
 
 
-def _ranked(result: Any) -> Section:
+def _ranked(result: Detection) -> Section:
     """The tests in the terminal, flagged ones first; below them why others do not count."""
     from dnanalyze.detection.reasons import NOT_SIGNIFICANT
 
@@ -137,7 +134,7 @@ def _ranked(result: Any) -> Section:
     return Section("ranked", "Tests", tables=[table], paged=False)
 
 
-def page(result: Any) -> Page:
+def page(result: Detection) -> Page:
     """The report."""
     picture = scatter(_frames(result.captures))
     return page_of(
@@ -160,7 +157,7 @@ def page(result: Any) -> Page:
     )
 
 
-def _estimate(result: Any) -> list[Table]:
+def _estimate(result: Detection) -> list[Table]:
     """The filter's parameters, and the hot pixels that there were before it."""
     found = {} if result.estimate is None else vars(result.estimate)
     rows = [(*ESTIMATE.get(k, (k, "")), v) for k, v in found.items() if v is not None]
@@ -181,7 +178,7 @@ def _estimate(result: Any) -> list[Table]:
     ]
 
 
-def _frames(captures: Any) -> list[tuple[str, np.ndarray]]:
+def _frames(captures: CaptureSet) -> list[tuple[str, np.ndarray]]:
     """The first frame of the coldest and of the warmest setting, one colour plane of it."""
     ends = list(dict.fromkeys((captures.settings[0], captures.settings[-1])))
     step = 2 if captures.sensor.cfa else 1
@@ -191,18 +188,18 @@ def _frames(captures: Any) -> list[tuple[str, np.ndarray]]:
     ]
 
 
-def document(result: Any) -> Document:
+def document(result: Detection) -> Document:
     """The verdict and every test behind it."""
     return made("detect", result.captures.name, **result.to_plain())
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: Detection) -> pd.DataFrame:
     """The tests."""
     keys = ("test", "kind", "temperature_c", "p_value", "effect_size", "flagged", "reason")
     return pd.DataFrame([{k: getattr(f, k) for k in keys} for f in result.findings])
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: Detection) -> Mapping[str, Draw]:
     """The figures of the tests, that of what was found first."""
     kinds: dict[str, Draw] = {
         "denoise": lambda: filter_tests.smoothing(result.answers),

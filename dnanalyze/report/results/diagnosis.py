@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import pandas as pd
 
+from dnanalyze.comparator.compare import Comparison
 from dnanalyze.comparator.rivals import Rivals
+from dnanalyze.diagnosis.results import Candidate, Diagnosis, Refinement
 from dnanalyze.report.documents import Document, coverage, direct, fields_of, level
 from dnanalyze.report.figures.candidates import candidates
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.leads import diagnose_lead
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.results import comparison as compare
 from dnanalyze.report.sections.front import candidate_layers, front, labels_of
 from dnanalyze.report.sections.model import model_section
-from dnanalyze.report.tables import named
+from dnanalyze.report.statistic_rows import named
 from dnanalyze.report.words import (
     candidates_of,
     diagnose_headline,
@@ -34,7 +35,7 @@ TONES = {"adequate": "good", "missing": "fair", "unexplained": "poor"}
 headline = diagnose_headline
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: Diagnosis) -> list[Section]:
     """Candidates with evidence, statistics not explained, limits, recommended captures."""
     others, baseline = candidates_of(result)
     best = leading(result)
@@ -73,13 +74,13 @@ def sections(result: Any) -> list[Section]:
     ]  # fmt: skip
 
 
-def unexplained_section(result: Any) -> Section:
+def unexplained_section(result: Diagnosis | Refinement) -> Section:
     """Statistics that are not explained, worst first."""
     said = [sentence(named(n)) for n in result.unexplained]
     return Section("unexplained", "Statistics not explained", points=said, most=6)
 
 
-def _candidates(head: str, found: Sequence[Any], title: str = "") -> Table:
+def _candidates(head: str, found: Sequence[Candidate], title: str = "") -> Table:
     """A row a candidate, best first; what each is confounded with, where any is."""
     rivals = any(c.confused_with for c in found)
     between = ("confounded with",) if rivals else ()
@@ -97,12 +98,15 @@ def _candidates(head: str, found: Sequence[Any], title: str = "") -> Table:
     return Table(columns, rows, words=1 + rivals, title=title, most=8)
 
 
-def page(result: Any, comparison: Any = None, rivals: Rivals | None = None) -> Page:
+def page(
+    result: Diagnosis, comparison: Comparison | None = None, rivals: Rivals | None = None
+) -> Page:
     """The report; with a comparison its panels follow the diagnosis."""
     rivals, models, best = rivals or Rivals(), {"model": result.model}, leading(result)
     if rivals.after is not None:
         models[labels_of(rivals.effect)[1]] = rivals.after.model
     told = result.verdict == "missing" and best is not None and best.effect not in result.ordinary
+    evidence = best.evidence if told and best is not None else []
     return page_of(
         result.captures,
         "Diagnosis",
@@ -113,7 +117,7 @@ def page(result: Any, comparison: Any = None, rivals: Rivals | None = None) -> P
             model_section(result.model),
         ],
         tone=TONES.get(result.verdict, "fair"),
-        points=[headline(result), *(map(sentence, best.evidence) if told else ())],
+        points=[headline(result), *map(sentence, evidence)],
         front=front(result, models, comparison, rivals, candidate_layers),
     )
 
@@ -121,12 +125,12 @@ def page(result: Any, comparison: Any = None, rivals: Rivals | None = None) -> P
 CANDIDATE = "effect", "error_after", "explained", "confidence", "confused_with"
 
 
-def document(result: Any) -> Document:
+def document(result: Diagnosis) -> Document:
     """The verdict and the candidates, best first."""
     return made(
         "diagnose",
         result.captures.name,
-        error=getattr(result, "error", None),
+        error=result.error,
         verdict=result.verdict,
         headline=headline(result),
         ordinary=result.ordinary,
@@ -134,16 +138,16 @@ def document(result: Any) -> Document:
         unexplained=result.unexplained,
         detection_limits={n: str(v) for n, v in result.detection_limits.items()},
         next_capture=result.next_capture,
-        law=getattr(result, "law", "") or None,
+        law=result.law or None,
         direct=direct(result),
-        finished=getattr(result, "finished", True),
-        screened=getattr(result, "screened", []),
+        finished=result.finished,
+        screened=result.screened,
         **level(result),
         **coverage(result),
     )
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: Diagnosis) -> pd.DataFrame:
     """The candidates, best first."""
     return pd.DataFrame(
         [
@@ -153,6 +157,6 @@ def table(result: Any) -> pd.DataFrame:
     )
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: Diagnosis) -> Mapping[str, Draw]:
     """The candidates."""
     return {"candidates": lambda: candidates(result.candidates, result.error, result.ordinary)}

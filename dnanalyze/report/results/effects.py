@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import groupby
-from typing import Any
+from typing import TYPE_CHECKING
 
 from dnanalyze.digits import number
 from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.words import sentence
+
+if TYPE_CHECKING:
+    from dnanalyze.model.effect import Effect, Stage
+
 
 VARIES = (
     "fixed: the same in every frame; temporal: new in every frame; both: by its parameters; "
@@ -19,7 +23,7 @@ VARIES = (
 )
 
 
-def catalogue(known: Mapping[str, Any]) -> list[Section]:
+def catalogue(known: Mapping[str, type[Effect]]) -> list[Section]:
     """All effects along the signal chain."""
     ranked = sorted(known.values(), key=lambda e: (e.stage, e.name))
     return [
@@ -41,11 +45,11 @@ def catalogue(known: Mapping[str, Any]) -> list[Section]:
     ]
 
 
-def _stage(stage: Any) -> str:
+def _stage(stage: Stage) -> str:
     return str(stage.name).lower().replace("_", " ")
 
 
-def effect(kind: Any) -> list[Section]:
+def effect(kind: type[Effect]) -> list[Section]:
     """One effect in full."""
     said = (
         f"{_stage(kind.stage)}, {kind.varies}",
@@ -81,12 +85,12 @@ def effect(kind: Any) -> list[Section]:
     ]  # fmt: skip
 
 
-def document(known: Mapping[str, Any]) -> Document:
+def document(known: Mapping[str, type[Effect]]) -> Document:
     """The catalogue."""
     return made("effects", "", effects=[_effect(e) for e in known.values()])
 
 
-def _effect(kind: Any) -> Document:
+def _effect(kind: type[Effect]) -> Document:
     """One effect of the catalogue."""
     more = "summary", "physics", "formula", "fingerprint", "confused_with", "references"
     return fields_of(kind, "name", "varies", *more) | {

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
+from dnanalyze.fitting.fit import Fit
 from dnanalyze.report.documents import PARAMETER, Document, direct, fields_of
 from dnanalyze.report.figures.correlations import correlations
 from dnanalyze.report.figures.families import family_plots, simulated
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.page import Page, Section, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.plain import estimate
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections.model import (
     direct_section,
     model_section,
@@ -23,13 +23,13 @@ from dnanalyze.report.sections.model import (
 from dnanalyze.report.words import listing, plural, texts
 
 
-def headline(result: Any) -> str:
+def headline(result: Fit) -> str:
     """What was fitted."""
     count = plural(len(result.parameters), "parameter")
     return f"Fitted {listing(result.model.names)}: {count}."
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: Fit) -> list[Section]:
     """Parameters with standard errors, and what the captures do not determine."""
     return [
         parameters_section("parameter", result),
@@ -38,7 +38,7 @@ def sections(result: Any) -> list[Section]:
     ]
 
 
-def page(result: Any) -> Page:
+def page(result: Fit) -> Page:
     """The report."""
     names = [p.name for p in result.parameters]
     picture = correlations(names, result.correlations)
@@ -55,7 +55,7 @@ def page(result: Any) -> Page:
     )
 
 
-def document(result: Any) -> Document:
+def document(result: Fit) -> Document:
     """Parameters with their uncertainties, the pairs that the data cannot tell apart, the model."""
     return made(
         "fit",
@@ -70,14 +70,14 @@ def document(result: Any) -> Document:
     )
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: Fit) -> pd.DataFrame:
     """The fitted parameters."""
     return pd.DataFrame(
         [{"name": p.name} | estimate(p.value, p.se) | {"unit": p.unit} for p in result.parameters]
     )
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: Fit) -> Mapping[str, Draw]:
     """Families of statistics beside the model, and the correlations."""
     names = [p.name for p in result.parameters]
     return family_plots(lambda: simulated(result)) | {

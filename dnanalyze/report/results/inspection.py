@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from dnanalyze.report import capture
+from dnanalyze.report import capture_facts
 from dnanalyze.report.documents import Document
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.words import number, point_label, sentence
 
+if TYPE_CHECKING:
+    from dnanalyze.loaders.captures import CaptureSet
+
+
 MISSING = "Missing for a full analysis"
 
 
-def sections(captures: Any, seen: Mapping[str, Any]) -> list[Section]:
+def sections(captures: CaptureSet, seen: Mapping[str, Any]) -> list[Section]:
     """Facts, operating points, sources of the metadata, and what is missing.
 
     Parameters
@@ -23,7 +27,7 @@ def sections(captures: Any, seen: Mapping[str, Any]) -> list[Section]:
     seen : mapping
         What `dnanalyze.loaders.inspect` gave.
     """
-    facts = capture.facts(captures) | capture.codes(seen["codes"])
+    facts = capture_facts.facts(captures) | capture_facts.codes(seen["codes"])
     points = [
         (point_label(p), _span(p["temperature_span_c"]), p["first"], p["frames"])
         for p in seen["operating_points"]
@@ -39,7 +43,7 @@ def sections(captures: Any, seen: Mapping[str, Any]) -> list[Section]:
             tables=[
                 Table(
                     ("quantity", "taken from", "for example"),
-                    capture.sources(seen),
+                    capture_facts.sources(seen),
                     words=3,
                     most=10,
                 )
@@ -54,15 +58,15 @@ def _span(span: Sequence[float] | None) -> str:
     return f"{number(span[1] - span[0], 2)} °C" if span and span[1] > span[0] else "–"
 
 
-def page(captures: Any, seen: Mapping[str, Any]) -> Page:
+def page(captures: CaptureSet, seen: Mapping[str, Any]) -> Page:
     """The report."""
     return page_of(
         captures,
         "Captures",
-        capture.one_line(captures) + ".",
+        capture_facts.one_line(captures) + ".",
         sections(captures, seen),
         points=[sentence(text) for text in seen["missing"]],
-        facts=capture.codes(seen["codes"]),
+        facts=capture_facts.codes(seen["codes"]),
     )
 
 

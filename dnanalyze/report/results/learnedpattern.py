@@ -3,31 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
+from dnanalyze.description.pattern import LearnedPattern
 from dnanalyze.report.documents import Document, fields_of
 from dnanalyze.report.figures.learned_pattern import learned_pattern
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.page import Page, Section, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections.model import model_section
 
 
-def headline(result: Any) -> str:
+def headline(result: LearnedPattern) -> str:
     """What was learned."""
     return str(result.sentence())
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: LearnedPattern) -> list[Section]:
     """What was learned, and its figure."""
     picture = [lambda: learned_pattern(result)]
     text = [headline(result)]
     return [Section("pattern", "Learned pattern", text=text, pictures=picture, printed=False)]
 
 
-def page(result: Any) -> Page:
+def page(result: LearnedPattern) -> Page:
     """The report."""
     return page_of(
         result.captures,
@@ -38,7 +38,7 @@ def page(result: Any) -> Page:
     )
 
 
-def body(result: Any) -> Document:
+def body(result: LearnedPattern) -> Document:
     """The learned pattern of one sensor, and what it predicts."""
     keys = "supported", "rms", "frames_share", "points_share", "error_before", "error_after"
     law = result.effect.law
@@ -49,12 +49,12 @@ def body(result: Any) -> Document:
     }
 
 
-def document(result: Any) -> Document:
+def document(result: LearnedPattern) -> Document:
     """The pattern of one sensor, and the model with it."""
     return made("pattern", result.captures.name, **body(result), fitted=result.model.to_plain())
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: LearnedPattern) -> pd.DataFrame:
     """Its size at every operating point."""
     return pd.DataFrame(
         [
@@ -64,6 +64,6 @@ def table(result: Any) -> pd.DataFrame:
     )
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: LearnedPattern) -> Mapping[str, Draw]:
     """The pattern."""
     return {"pattern": lambda: learned_pattern(result)}

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import pandas as pd
 
+from dnanalyze.channels.refinement import ChannelRefinement
+from dnanalyze.comparator.compare import Comparison
 from dnanalyze.comparator.rivals import Rivals
+from dnanalyze.diagnosis.results import Refinement, Step
+from dnanalyze.fitting.fit import Parameter
 from dnanalyze.report import words
 from dnanalyze.report.documents import PARAMETER, Document, coverage, direct, fields_of, level
 from dnanalyze.report.figures.families import family_plots, simulated
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.waterfall import waterfall
 from dnanalyze.report.leads import named_effects, refine_lead
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
-from dnanalyze.report.presentation import Draw
+from dnanalyze.report.refinement_stages import Stage, stages
 from dnanalyze.report.results import classification, diagnosis
 from dnanalyze.report.results import comparison as compare
 from dnanalyze.report.sections.front import front, labels_of, model_layers
@@ -26,25 +30,25 @@ from dnanalyze.report.sections.model import (
     parameters_section,
     undetermined_section,
 )
-from dnanalyze.report.stages import Stage, stages
 from dnanalyze.report.words import naming, number, percent, sentence, step_name
 
 
-def headline(result: Any) -> str:
+def headline(result: Refinement) -> str:
     """The verdict of the search, or of the effect that the user chose."""
-    by_hand = getattr(result, "by_hand", False)
+    by_hand = result.by_hand
     return words.add_headline(result) if by_hand else words.refine_headline(result)
 
 
-def sections(result: Any) -> list[Section]:
+def sections(result: Refinement) -> list[Section]:
     """The model error step by step, the final model, and what is not explained."""
     kept = words.net_additions([s.added for s in result.steps])
-    why = {s.added: s for s in result.steps if s.added in kept and words.is_number(s.confidence)}
+    why = {n: s for s in result.steps if (n := s.added) in kept and words.is_number(s.confidence)}
     said = [
-        f"{words.with_rivals(s.added, s.confidence, s.confused_with)}: {s.evidence[0]}"
-        for s in why.values()
+        f"{words.with_rivals(name, s.confidence, s.confused_with)}: {s.evidence[0]}"
+        for name, s in why.items()
+        if name
     ]
-    title = "Evidence" if getattr(result, "by_hand", False) else "Evidence for each effect added"
+    title = "Evidence" if result.by_hand else "Evidence for each effect added"
     effects = f"Effects in the model: {words.listing(result.effects)}."
     return [
         Section(
@@ -59,12 +63,12 @@ def sections(result: Any) -> list[Section]:
         *direct_section(result),
         undetermined_section(result),
         replace(diagnosis.unexplained_section(result), paged=False),
-        *classification.line(getattr(result, "classification", None)),
+        *classification.line(result.classification),
         Section("effects", "Effects", text=[effects], paged=False),
     ]
 
 
-def step_tables(steps: Sequence[Any]) -> list[Table]:
+def step_tables(steps: Sequence[Step]) -> list[Table]:
     """The steps with the baseline model as one, and its parts, folded."""
     whole = stages(steps)
     known = [s.error for s in steps if words.is_number(s.error)]
@@ -86,11 +90,11 @@ def _name(stage: Stage, place: int) -> str:
     return naming(step_name(stage.parts[0].added, place), stage.parts[0].confidence)
 
 
-def _cells(step: Any) -> tuple[str, str, str]:
+def _cells(step: Step) -> tuple[str, str, str]:
     return number(step.error), percent(step.confidence), ", ".join(step.confused_with) or "–"
 
 
-def evidence(steps: Sequence[Any]) -> list[str]:
+def evidence(steps: Sequence[Step]) -> list[str]:
     """Why each effect was added; the baseline model needs no evidence."""
     return [
         sentence(f"{_name(stage, place)}: {text}")
@@ -100,7 +104,7 @@ def evidence(steps: Sequence[Any]) -> list[str]:
     ]
 
 
-def page(result: Any) -> Page:
+def page(result: Refinement) -> Page:
     """The report: the final model compared with the captures, and the step before it."""
     from dnanalyze.comparator.compare import compare_on
     from dnanalyze.comparator.rivals import of_steps
@@ -110,10 +114,12 @@ def page(result: Any) -> Page:
     return page_so_far(result, comparison, beside)
 
 
-def page_so_far(result: Any, comparison: Any = None, rivals: Rivals | None = None) -> Page:
+def page_so_far(
+    result: Refinement, comparison: Comparison | None = None, rivals: Rivals | None = None
+) -> Page:
     """The report of a search that may go on; with a comparison of the model its panels follow."""
-    steps, told = list(result.steps), getattr(result, "classification", None)
-    by_hand = getattr(result, "by_hand", False)  # of `add`: the user named the effect
+    steps, told = list(result.steps), result.classification
+    by_hand = result.by_hand  # of `add`: the user named the effect
     rest, said = result.diagnosis, headline(result)
     rivals, models = rivals or Rivals(), {"model": result.model}
     if rivals.before is not None and rivals.after is not None:
@@ -140,32 +146,35 @@ def page_so_far(result: Any, comparison: Any = None, rivals: Rivals | None = Non
     )
 
 
-def document(result: Any, said: str = "") -> Document:
+def body(result: Refinement | ChannelRefinement) -> Document:
+    """The error step by step and what the final model holds, of one channel or of several."""
+    return {
+        "steps": [_step(s) for s in result.steps],
+        **fields_of(result, "effects", "verdict", "unexplained"),
+        "parameters": [_parameter(p) for p in result.parameters],
+        "model": None,
+        "fitted": result.model.to_plain(),
+    }
+
+
+def document(result: Refinement) -> Document:
     """The error step by step and what the final model holds.
 
     A refinement that is not finished has verdict "missing", and no errors of its parameters.
     """
-    told = getattr(result, "classification", None)
+    told = result.classification
     found = made(
         "refine",
         result.captures.name,
-        steps=[_step(s) for s in result.steps],
-        effects=result.effects,
-        verdict=result.verdict,
-        headline=said or headline(result),
-        unexplained=result.unexplained,
-        parameters=[_parameter(p) for p in result.parameters],
-        undetermined=getattr(result, "undetermined", []),
+        **body(result),
+        headline=headline(result),
         direct=direct(result),
-        finished=getattr(result, "finished", True),
-        timed_out=getattr(result, "timed_out", False),
-        model=None,
-        fitted=result.model.to_plain(),
+        **fields_of(result, "undetermined", "finished", "timed_out"),
         **level(result),
         **coverage(result),
         **({} if told is None else {"classifier": classification.body(told)}),
     )
-    if not getattr(result, "by_hand", False):
+    if not result.by_hand:
         return found
     first, last = found["steps"][0], found["steps"][-1]
     return found | {
@@ -177,23 +186,24 @@ def document(result: Any, said: str = "") -> Document:
     }
 
 
-def _parameter(parameter: Any) -> Document:
+def _parameter(parameter: Parameter) -> Document:
     """A number of a model with its standard error and the effect that it belongs to."""
     effect = parameter.name.split(".")[0].split("[")[0]
     return {"effect": effect} | fields_of(parameter, *PARAMETER)
 
 
-def _step(step: Any) -> Document:
+def _step(step: Step) -> Document:
     """A step; what was taken out again stands under "removed"."""
-    gone = bool(step.added) and step.added.startswith("-")
+    name, error = step.added, step.error
+    gone = {"removed": name[1:]} if name and name.startswith("-") else {}
     return (
-        {"added": None if gone else step.added, "error": step.error}
-        | ({"removed": step.added[1:]} if gone else {})
+        {"added": None if gone else name, "error": error}
+        | gone
         | fields_of(step, "confidence", "confused_with", "evidence")
     )
 
 
-def table(result: Any) -> pd.DataFrame:
+def table(result: Refinement | ChannelRefinement) -> pd.DataFrame:
     """The error step by step."""
     return pd.DataFrame(
         [
@@ -205,7 +215,7 @@ def table(result: Any) -> pd.DataFrame:
     )
 
 
-def plots(result: Any) -> Mapping[str, Draw]:
+def plots(result: Refinement) -> Mapping[str, Draw]:
     """The steps, then each family of statistics."""
     own: dict[str, Draw] = {"steps": lambda: waterfall(result.steps)}
     return own | family_plots(lambda: simulated(result))

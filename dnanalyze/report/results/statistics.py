@@ -8,22 +8,30 @@ from typing import Any
 import pandas as pd
 
 from dnanalyze.analyzers.families.trends import channel_trends, law_doubts
+from dnanalyze.analyzers.statistics import Statistics, Value
 from dnanalyze.emva import kinds
+from dnanalyze.emva.quantity import Emva, Group
 from dnanalyze.loaders.inspection import missing
-from dnanalyze.report import emva
+from dnanalyze.report import emva_tables
 from dnanalyze.report.documents import Document, emva_group, point
 from dnanalyze.report.figures.dark_signal import dark_signal
 from dnanalyze.report.figures.families import family_plots
+from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.sensor_maps import sensor_maps
 from dnanalyze.report.figures.style import layers
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.plain import estimate
-from dnanalyze.report.presentation import Draw
 from dnanalyze.report.sections.front import curves_sections, numbers_section, series_section
 from dnanalyze.report.sections.panels import family_panels
-from dnanalyze.report.structure import Structure, hot_share, plainest, sentence_of, structures
-from dnanalyze.report.tables import info, measured_value
+from dnanalyze.report.significant_structure import (
+    Structure,
+    hot_share,
+    plainest,
+    sentence_of,
+    structures,
+)
+from dnanalyze.report.statistic_rows import info, measured_value
 from dnanalyze.report.words import number, point_label, sentence, symbol, with_error
 
 HOT_SHARE = 1e-4  # of the pixels, from which hot pixels are named
@@ -34,24 +42,24 @@ NOTE = (
 )
 
 
-def headline(measured: Any) -> str:
+def headline(measured: Statistics) -> str:
     """Temporal dark noise, DSNU, dark current and doubling interval, each with its range."""
     quantities = measured.emva
-    points = emva.every_point(quantities)
+    points = emva_tables.every_point(quantities)
     parts: list[str] = []
     for kind in (kinds.NOISE, kinds.DSNU):
         values = [q.value for q in (p.quantities[kind.key] for p in points) if q.value is not None]
         if values:
-            parts.append(f"{kind.name} {_range(values)} {emva.unit(kind)}")
+            parts.append(f"{kind.name} {_range(values)} {emva_tables.unit(kind)}")
     currents = [c.quantities for g in quantities.groups for c in g.dark_currents]
     for kind in (kinds.CURRENT_E, kinds.CURRENT):
         values = [q.value for q in (c[kind.key] for c in currents) if q.value is not None]
         if values:
-            parts.append(f"{kind.name} {_range(values)} {emva.unit(kind)}")
+            parts.append(f"{kind.name} {_range(values)} {emva_tables.unit(kind)}")
             break
     found = [g.quantities[kinds.DOUBLING.key] for g in quantities.groups]
     if len(found) == 1 and found[0].determined:
-        parts.append(f"doubling every {emva.cell(found[0])} °C")
+        parts.append(f"doubling every {emva_tables.cell(found[0])} °C")
     if parts:
         return sentence("; ".join(parts))
     widths = [s.values["frame_noise_core"].value for s in measured.settings
@@ -66,7 +74,7 @@ def _range(values: list[float]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def sections(measured: Any) -> list[Section]:
+def sections(measured: Statistics) -> list[Section]:
     """The EMVA 1288 quantities, the laws over temperature, what is not determined."""
     tables = list(_printed_tables(measured.emva))
     return [
@@ -77,59 +85,68 @@ def sections(measured: Any) -> list[Section]:
     ]
 
 
-def _printed_tables(quantities: Any) -> list[Table]:
+def _printed_tables(quantities: Emva) -> list[Table]:
     """Tables that fit 80 columns: the sensor first, then every operating point."""
     shown = []
     groups = quantities.groups[:OPEN_GROUPS]
     for group in groups:
         where = group.label if len(quantities.groups) > 1 else ""
         points, heads = _ends(group)
-        rows = emva.point_rows(points, emva.brief)
+        rows = emva_tables.point_rows(points, emva_tables.brief)
         shown.append(Table(("", where or "quantity", *heads), rows, words=2))
-        rows = emva.sensor_rows(group)
+        rows = emva_tables.sensor_rows(group)
         shown.append(Table(("", "quantity", "fitted range", "value"), rows, words=3))
-    points = emva.every_point(quantities)
+    points = emva_tables.every_point(quantities)
     if len(points) > 2:
-        for kind, first in ((emva.LEVELS, "operating point"), (emva.SPLIT, "DSNU at")):
-            shown.append(Table(*emva.table(points, kind, first)))
-    shown += [Table(*table) for table in map(emva.current_table, groups) if len(table[1]) > 2]
+        for kind, first in (
+            (emva_tables.LEVELS, "operating point"),
+            (emva_tables.SPLIT, "DSNU at"),
+        ):
+            shown.append(Table(*emva_tables.table(points, kind, first)))
+    shown += [
+        Table(*table) for table in map(emva_tables.current_table, groups) if len(table[1]) > 2
+    ]
     return shown
 
 
-def _ends(group: Any) -> tuple[Any, Sequence[str]]:
+def _ends(group: Group) -> tuple[Any, Sequence[str]]:
     """The operating points of lowest and highest signal, and their names."""
-    points = emva.ends(group)
-    return points, emva.labels(points) if len(points) > 1 else ["value"]
+    points = emva_tables.ends(group)
+    return points, emva_tables.labels(points) if len(points) > 1 else ["value"]
 
 
-def emva_section(quantities: Any) -> Section:
+def emva_section(quantities: Emva) -> Section:
     """The quantities: of the sensor, at the ends, and folded at every operating point."""
     tables = []
     several = len(quantities.groups) > 1
     for n, group in enumerate(quantities.groups):
         points, heads = _ends(group)
         title, fold = group.label if several else "", n >= OPEN_GROUPS
-        columns: emva.Row = ("symbol", "quantity", "fitted range", "value")
-        tables.append(Table(columns, emva.sensor_rows(group), words=3, title=title, folded=fold))
+        columns: emva_tables.Row = ("symbol", "quantity", "fitted range", "value")
+        tables.append(
+            Table(columns, emva_tables.sensor_rows(group), words=3, title=title, folded=fold)
+        )
         columns = ("symbol", "quantity", *heads)
-        tables.append(Table(columns, emva.point_rows(points), words=2, title=title, folded=fold))
-        columns, rows = emva.current_table(group)
+        tables.append(
+            Table(columns, emva_tables.point_rows(points), words=2, title=title, folded=fold)
+        )
+        columns, rows = emva_tables.current_table(group)
         if len(rows) > 1:
             title = f"Dark current by temperature {title}".strip()
             tables.append(Table(columns, rows, title=title, folded=True))
-    points = emva.every_point(quantities)
+    points = emva_tables.every_point(quantities)
     if len(points) > 1:
-        columns, rows = emva.table(points, [q.kind for q in points[0].quantities], short={})
+        columns, rows = emva_tables.table(points, [q.kind for q in points[0].quantities], short={})
         title = f"All quantities at {len(points)} operating points"
         tables.append(Table(columns, rows, title=title, folded=True, narrow=True))
     pictures = [dark_signal(quantities)]
     return Section("emva", "EMVA 1288 dark quantities", [NOTE], pictures=pictures, tables=tables)
 
 
-def trend_section(measured: Any) -> Section:
+def trend_section(measured: Statistics) -> Section:
     """What holds over temperature, by channel where there are several."""
     found = channel_trends(measured) or {"value": measured.trends}
-    names = dict.fromkeys(n for own in found.values() for n in own if n not in emva.LAWS)
+    names = dict.fromkeys(n for own in found.values() for n in own if n not in emva_tables.LAWS)
     rows = [
         (
             info(name).title,
@@ -142,22 +159,22 @@ def trend_section(measured: Any) -> Section:
     return Section("trends", "Laws over temperature", tables=[table])
 
 
-def _value(value: Any) -> str:
+def _value(value: Value | None) -> str:
     return with_error(value.value, value.se) if value else "–"
 
 
-def missing_section(measured: Any, quantities: Any = None) -> Section:
+def missing_section(measured: Statistics, quantities: Emva | None = None) -> Section:
     """What is not determined, with the reasons; EMVA 1288 quantities first where they are given."""
-    first = emva.undetermined(quantities) if quantities is not None else []
+    first = emva_tables.undetermined(quantities) if quantities is not None else []
     return Section(
         "missing",
         "Not determined from these captures",
-        points=[sentence(r) for r in (*first, *emva.missing_statistics(measured))],
+        points=[sentence(r) for r in (*first, *emva_tables.missing_statistics(measured))],
         most=12,
     )
 
 
-def lead(measured: Any, found: list[Structure]) -> str:
+def lead(measured: Statistics, found: list[Structure]) -> str:
     """What stands out of the noise, or that nothing does."""
     hot = hot_share(measured)
     if found:
@@ -172,10 +189,11 @@ def lead(measured: Any, found: list[Structure]) -> str:
     return sentence(text)
 
 
-def page(measured: Any) -> Page:
+def page(measured: Statistics) -> Page:
     """The report."""
     found, place, drawn = structures(measured), plainest(measured), layers(measured)
     captures = measured.captures
+    assert captures is not None
     return page_of(
         captures,
         "Dark-frame statistics",
@@ -201,7 +219,7 @@ def page(measured: Any) -> Page:
     )
 
 
-def document(measured: Any) -> Document:
+def document(measured: Statistics) -> Document:
     """Every statistic with its standard error; the EMVA 1288 quantities under "emva"."""
     settings = [
         point(setting.point)
@@ -230,18 +248,18 @@ def document(measured: Any) -> Document:
     )
 
 
-def _values(named: Mapping[str, Any]) -> Document:
+def _values(named: Mapping[str, Value]) -> Document:
     return {k: estimate(v.value, v.se) for k, v in named.items()}
 
 
-def _scaled(name: str, value: Any, repeated: bool = False) -> Document:
+def _scaled(name: str, value: Value, repeated: bool = False) -> Document:
     """A statistic with its errors, unit and scale."""
     kind = info(name)
     about = {"unit": kind.unit, "scale": kind.scale.value}
     return measured_value(kind.scale, value, repeated) | about
 
 
-def table(measured: Any) -> pd.DataFrame:
+def table(measured: Statistics) -> pd.DataFrame:
     """One row a statistic, operating point and colour plane; with the repeatability if known."""
     values = [v for s in measured.settings for v in s.values.values()]
     known = any(v.repeatability is not None for v in values)
@@ -255,7 +273,7 @@ def table(measured: Any) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def plots(measured: Any) -> Mapping[str, Draw]:
+def plots(measured: Statistics) -> Mapping[str, Draw]:
     """Maps of the sensor, dark signal over exposure, then each family of statistics."""
     own: dict[str, Draw] = {
         "sensor": lambda: sensor_maps(measured),

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
-from dnanalyze.report.capture import facts
+from dnanalyze.benchmarking.benchmark_value import BenchmarkValue
+from dnanalyze.benchmarking.model_findings import Strength
+from dnanalyze.benchmarking.run import BenchmarkResult, Ranking
+from dnanalyze.report.capture_facts import facts
 from dnanalyze.report.figures import benchmark as figures
-from dnanalyze.report.figures.style import UNITS
 from dnanalyze.report.page import Section, Table
-from dnanalyze.report.results.detection import KINDS
-from dnanalyze.report.words import celsius, listing, number, sentence, with_error
+from dnanalyze.report.words import FILTERS, celsius, listing, number, sentence, symbol, with_error
 
 
-def fairest(result: Any, name: str, at: float | None) -> Any:
+def fairest(result: BenchmarkResult, name: str, at: float | None) -> Ranking | None:
     """The ranking in electrons, where it tells two sensors or more; else in DN; None without one.
 
     DN of different conversion gains compare nothing.
@@ -25,12 +25,12 @@ def fairest(result: Any, name: str, at: float | None) -> Any:
     return found.get(name)
 
 
-def middle_of(result: Any) -> float | None:
+def middle_of(result: BenchmarkResult) -> float | None:
     """The middle one of the common temperatures."""
     return result.temperatures[len(result.temperatures) // 2] if result.temperatures else None
 
 
-def summary(result: Any) -> list[Any]:
+def summary(result: BenchmarkResult) -> list[Ranking]:
     """One ranking a criterion: at the middle temperature, in the unit that compares most fairly."""
     names = dict.fromkeys(r.base for r in result.rankings)
     middle = middle_of(result)
@@ -38,7 +38,7 @@ def summary(result: Any) -> list[Any]:
     return [r for r in found if r is not None]
 
 
-def groups(ranking: Any) -> list[list[str]]:
+def groups(ranking: Ranking) -> list[list[str]]:
     """Sensors that share a rank, since their errors do not tell them apart; best first."""
     ranks = sorted({p.rank for p in ranking.places if p.rank is not None})
     shared = ([p.sensor for p in ranking.places if p.rank == rank] for rank in ranks)
@@ -57,22 +57,18 @@ MARKS = (
 )
 
 
-def _unit(unit: str) -> str:
-    return UNITS.get(unit, unit)
-
-
-def _cell(figure: Any) -> str:
+def _cell(figure: BenchmarkValue) -> str:
     if not figure.known:
         return "–"
     return with_error(figure.value, figure.se) + (f" {ONE_FRAME}" if figure.one_frame else "")
 
 
-def _names(result: Any) -> list[str]:
+def _names(result: BenchmarkResult) -> list[str]:
     """The sensors, those with a filtered output marked."""
     return [f"{s.name} {FILTERED}" if s.filtered else s.name for s in result.sensors]
 
 
-def _marks(result: Any) -> list[str]:
+def _marks(result: BenchmarkResult) -> list[str]:
     """What the marks say, of those that stand in the tables."""
     figures = [p.figure for r in result.rankings for p in r.places]
     used = {
@@ -82,10 +78,10 @@ def _marks(result: Any) -> list[str]:
     return [f"{mark} {text}" for mark, text in MARKS if used[mark]]
 
 
-def glance(result: Any) -> Section:
+def glance(result: BenchmarkResult) -> Section:
     """A row a sensor, a column a criterion."""
     shown = [r for r in summary(result) if r.base in GLANCE]
-    columns = [r.title + (f" [{_unit(r.unit)}]" if r.unit not in ("", "1") else "") for r in shown]
+    columns = [r.title + (f" [{symbol(r.unit)}]" if r.unit not in ("", "1") else "") for r in shown]
     rows = []
     for sensor, name in zip(result.sensors, _names(result), strict=True):
         cells = []
@@ -110,7 +106,7 @@ def glance(result: Any) -> Section:
     )  # fmt: skip
 
 
-def temperatures(result: Any) -> Section:
+def temperatures(result: BenchmarkResult) -> Section:
     """What runs with temperature: a row a criterion and temperature, a column a sensor."""
     head = ("figure", "unit", "°C", *_names(result))
     shown: list[tuple[str, ...]] = []
@@ -118,7 +114,7 @@ def temperatures(result: Any) -> Section:
     for r in result.rankings:
         if r.temperature_c is not None:
             cells = (_cell(r.of(s.name)) for s in result.sensors)
-            row = (r.title, _unit(r.unit), number(r.temperature_c), *cells)
+            row = (r.title, symbol(r.unit), number(r.temperature_c), *cells)
             (rest if _told_in_electrons(result, r) else shown).append(row)
     tables = [Table(head, shown, words=2, sortable=True)]
     if rest:
@@ -136,7 +132,7 @@ def temperatures(result: Any) -> Section:
     )
 
 
-def _told_in_electrons(result: Any, ranking: Any) -> bool:
+def _told_in_electrons(result: BenchmarkResult, ranking: Ranking) -> bool:
     """Whether every sensor that has this figure in DN has it in electrons, too."""
     told = [
         r
@@ -147,10 +143,10 @@ def _told_in_electrons(result: Any, ranking: Any) -> bool:
     return bool(told) and all(told[0].of(name).known for name in known)
 
 
-def one_each(result: Any) -> Section:
+def one_each(result: BenchmarkResult) -> Section:
     """What has no temperature: a row a figure, a column a sensor."""
     cells = [
-        (r.title, _unit(r.unit), *(_cell(r.of(s.name)) for s in result.sensors))
+        (r.title, symbol(r.unit), *(_cell(r.of(s.name)) for s in result.sensors))
         for r in result.rankings
         if r.temperature_c is None and not r.criterion.startswith("error_")
     ]
@@ -167,13 +163,13 @@ def one_each(result: Any) -> Section:
     )
 
 
-def models(result: Any) -> Section:
+def models(result: BenchmarkResult) -> Section:
     """How well each is described, and by which effects."""
     rows = []
     for s in result.sensors:
         kind = "not tested" if s.filtered is None else "no"
         if s.filtered:
-            kind = f"yes: {KINDS.get(s.filter_kind, s.filter_kind)}"
+            kind = f"yes: {FILTERS.get(s.filter_kind, s.filter_kind)}"
         told = (number(s.errors.get(k)) for k in ("gaussian", "paper", "refined"))
         rows.append((s.name, kind, s.verdict or "not refined", *told))
     columns = (
@@ -210,12 +206,12 @@ def models(result: Any) -> Section:
     )
 
 
-def _strengths(result: Any) -> list[tuple[str, ...]]:
+def _strengths(result: BenchmarkResult) -> list[tuple[str, ...]]:
     """A row an effect, a column a sensor: its rms, a parameter where no closed form tells it."""
     effects = dict.fromkeys(e.effect for s in result.sensors for e in s.effects)
     found = [{e.effect: e for e in s.effects} for s in result.sensors]
 
-    def cell(effect: Any) -> str:
+    def cell(effect: Strength | None) -> str:
         if effect is None:
             return "–"
         if effect.rms_dn is not None:
@@ -234,7 +230,7 @@ def _numbers(parameters: Mapping[str, tuple[float, str]]) -> str:
     )
 
 
-def rankings(result: Any) -> Section:
+def rankings(result: BenchmarkResult) -> Section:
     """Per criterion, best first, in the unit that compares most fairly."""
     names = dict(zip((s.name for s in result.sensors), _names(result), strict=True))
     rows = []
@@ -250,7 +246,7 @@ def rankings(result: Any) -> Section:
         )
         left = [names[p.sensor] for p in r.places if p.rank is None and p.figure.known]
         order += f"; not ranked: {listing(left)}" if left else ""
-        rows.append((r.title, _unit(r.unit), at, order))
+        rows.append((r.title, symbol(r.unit), at, order))
     return Section(
         "rankings",
         "Ranking",
@@ -264,7 +260,7 @@ def rankings(result: Any) -> Section:
     )
 
 
-def captures(result: Any) -> Section:
+def captures(result: BenchmarkResult) -> Section:
     """What was captured of each sensor."""
     keys = ("frames", "temperature", "exposure", "gain", "pixel pitch")
     rows = [(s.name, *(facts(s.captures).get(k, "–") for k in keys)) for s in result.sensors]

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.classifier.result import Classification
+from dnanalyze.comparator.compare import Comparison
 from dnanalyze.comparator.rivals import Rivals
+from dnanalyze.diagnosis.results import Diagnosis, Refinement
 from dnanalyze.emva import kinds
-from dnanalyze.emva.quantity import Quantity
-from dnanalyze.report import emva
+from dnanalyze.emva.quantity import Kind, PointQuantities, Quantity
+from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.report import emva_tables
 from dnanalyze.report.fields import Place, fields, worst_place
 from dnanalyze.report.figures.before_after import before_after
-from dnanalyze.report.figures.field import field_row, field_series
-from dnanalyze.report.figures.paper import figure_1, figure_2
+from dnanalyze.report.figures.field_images import field_row, field_series
 from dnanalyze.report.figures.style import ACCENT, GAUSSIAN, MODEL, Layer, chosen, layers
+from dnanalyze.report.figures.wang_2025 import figure_1, figure_2
 from dnanalyze.report.leads import plain_name
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.words import DIRECT, direct_rows
@@ -26,12 +30,12 @@ NUMBERS = kinds.NOISE, kinds.DSNU, kinds.HOT_5
 
 
 def front(
-    result: Any,
-    models: Mapping[str, Any],
-    comparison: Any,
+    result: Comparison | Diagnosis | Refinement,
+    models: Mapping[str, NoiseModel | None],
+    comparison: Comparison | None,
     rivals: Rivals,
-    drawn: Callable[[Any, Rivals], list[Layer]],
-    told: Any = None,
+    drawn: Callable[[Comparison, Rivals], list[Layer]],
+    told: Classification | None = None,
 ) -> list[Section]:
     """What is read first of a result that judges a model.
 
@@ -57,7 +61,9 @@ def front(
     return [*made, *direct_front(result), *classifier_front(told)]
 
 
-def frames_section(captures: Any, place: Place | None, models: Mapping[str, Any]) -> Section:
+def frames_section(
+    captures: CaptureSet | None, place: Place | None, models: Mapping[str, NoiseModel | None]
+) -> Section:
     """Measured, models and difference."""
     known = {name: model for name, model in models.items() if model is not None}
     found = None if captures is None else fields(captures, place, known)
@@ -65,7 +71,9 @@ def frames_section(captures: Any, place: Place | None, models: Mapping[str, Any]
     return Section("frames", title, pictures=[field_row(found)])
 
 
-def series_section(captures: Any, measured: Statistics, place: Place | None) -> Section:
+def series_section(
+    captures: CaptureSet | None, measured: Statistics, place: Place | None
+) -> Section:
     """The sensor at several operating points, in the kind of picture that tells most."""
     if place is None or captures is None:
         return Section("frames", "The sensor")
@@ -148,14 +156,14 @@ def effect_layers(measured: Statistics, rivals: Rivals) -> list[Layer]:
     return made
 
 
-def model_layers(comparison: Any, rivals: Rivals) -> list[Layer]:
+def model_layers(comparison: Comparison, rivals: Rivals) -> list[Layer]:
     """Measured and model, between them the candidate or the model of the step before."""
     if rivals.before is not None and rivals.after is not None:
         return effect_layers(comparison.measured, rivals)
     return list(layers(comparison.measured, comparison.simulated, comparison.gaussian))
 
 
-def candidate_layers(comparison: Any, rivals: Rivals) -> list[Layer]:
+def candidate_layers(comparison: Comparison, rivals: Rivals) -> list[Layer]:
     """Measured, model and, of a diagnosis, the model with the leading candidate."""
     made = list(layers(comparison.measured, comparison.simulated))
     if rivals.after is not None:
@@ -164,7 +172,7 @@ def candidate_layers(comparison: Any, rivals: Rivals) -> list[Layer]:
     return made
 
 
-def place_of(comparison: Any, rivals: Rivals) -> Place | None:
+def place_of(comparison: Comparison | None, rivals: Rivals) -> Place | None:
     """Where the named effect lowers the error most; without one, where the model fails most."""
     if rivals.before is not None:
         return worst_place(rivals.before.rows, () if rivals.after is None else rivals.after.rows)
@@ -177,10 +185,10 @@ def numbers_section(measured: Statistics, part: str = "") -> list[Section]:
     if not found.groups:
         return []
     group = found.groups[0]
-    points = emva.ends(group)
-    labels = emva.labels(points) if len(points) > 1 else [""]
+    points = emva_tables.ends(group)
+    labels = emva_tables.labels(points) if len(points) > 1 else [""]
     rows = [
-        (emva.title(kind), label, emva.cell(quantity))
+        (emva_tables.title(kind), label, emva_tables.cell(quantity))
         for kind in NUMBERS
         for label, quantity in _at(points, labels, kind)
         if quantity.determined
@@ -191,9 +199,9 @@ def numbers_section(measured: Statistics, part: str = "") -> list[Section]:
             q for q in known if q.kind == kinds.CURRENT
         ]
         at = "" if current.temperature_c is None else f"{current.temperature_c:g} °C"
-        rows += [(emva.title(q.kind), at, emva.cell(q)) for q in first]
+        rows += [(emva_tables.title(q.kind), at, emva_tables.cell(q)) for q in first]
     rows += [
-        (emva.title(q.kind), "", emva.cell(q))
+        (emva_tables.title(q.kind), "", emva_tables.cell(q))
         for q in group.quantities
         if q.kind == kinds.DOUBLING and q.determined
     ]
@@ -209,11 +217,13 @@ def numbers_section(measured: Statistics, part: str = "") -> list[Section]:
     ]  # fmt: skip
 
 
-def _at(points: Any, labels: Sequence[str], kind: Any) -> list[tuple[str, Quantity]]:
+def _at(
+    points: Sequence[PointQuantities], labels: Sequence[str], kind: Kind
+) -> list[tuple[str, Quantity]]:
     return [(at, p.quantities[kind.key]) for at, p in zip(labels, points, strict=True)]
 
 
-def direct_front(result: Any) -> list[Section]:
+def direct_front(result: Comparison | Diagnosis | Refinement) -> list[Section]:
     """Whether the model states what the frames show directly, and where it differs most."""
     every = list(getattr(result, "direct", []))
     if not every:
@@ -230,7 +240,7 @@ def direct_front(result: Any) -> list[Section]:
     ]  # fmt: skip
 
 
-def classifier_front(told: Any) -> list[Section]:
+def classifier_front(told: Classification | None) -> list[Section]:
     """The classifier's answer in a sentence."""
     if told is None:
         return []

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from dnanalyze.report.figures.style import UNITS
+from dnanalyze.diagnosis.results import Diagnosis, Refinement
+from dnanalyze.fitting.fit import Fit, Parameter
+from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.words import (
     DIRECT,
@@ -16,13 +18,15 @@ from dnanalyze.report.words import (
     parameter_value,
     plural,
     point_label,
+    symbol,
     varied,
 )
 
+Entry = tuple[str, Any, tuple[str, str]]  # name, law, (unit, meaning)
 SIDE_BY_SIDE = 6  # operating points that stand side by side
 
 
-def model_section(model: Any, parameters: Sequence[Any] = ()) -> Section:
+def model_section(model: NoiseModel | None, parameters: Sequence[Parameter] = ()) -> Section:
     """Every parameter with its value, unit and operating point; empty without a model.
 
     Parameters
@@ -39,7 +43,7 @@ def model_section(model: Any, parameters: Sequence[Any] = ()) -> Section:
     entries = list(_entries(model))
     fixed = [row for name, law, about in entries if (row := _fixed(name, law, about, known))]
     left = set(known) - {n for name, law, _ in entries for n in _names(name, law)}
-    fixed += [(n, _value(known[n].value, n, known), _unit(known[n].unit), "", "") for n in left]
+    fixed += [(n, _value(known[n].value, n, known), symbol(known[n].unit), "", "") for n in left]
     tables = [
         *_by_point([(name, law, about) for name, law, about in entries if _table(law)], known),
         Table(("parameter", "value", "unit", "operating point", "meaning"), fixed, words=5,
@@ -58,7 +62,7 @@ def model_section(model: Any, parameters: Sequence[Any] = ()) -> Section:
     )
 
 
-def _entries(model: Any) -> Any:
+def _entries(model: NoiseModel) -> Iterator[Entry]:
     """Name, law and description of every parameter."""
     yield "pedestal", model.pedestal, ("DN", "black level")
     for effect in model.chain:
@@ -77,19 +81,15 @@ def _names(name: str, law: Any) -> list[str]:
     return [name, f"{name}.ea_ev"] if hasattr(law, "ea_ev") else [name]
 
 
-def _value(value: Any, name: str, known: dict[str, Any]) -> str:
+def _value(value: Any, name: str, known: dict[str, Parameter]) -> str:
     found = known.get(name)
     if found is not None:
         return parameter_value(found)
     return number(value) if is_number(value) else str(value)
 
 
-def _unit(unit: str) -> str:
-    return UNITS.get(unit, unit)
-
-
 def _fixed(
-    name: str, law: Any, about: tuple[str, str], known: dict[str, Any]
+    name: str, law: Any, about: tuple[str, str], known: dict[str, Parameter]
 ) -> tuple[str, ...] | None:
     """The row of a parameter that is one number, or an Arrhenius law."""
     if _table(law):
@@ -97,18 +97,18 @@ def _fixed(
     unit, doc = about
     if not hasattr(law, "ea_ev"):
         where = "all" if is_number(law) else ""
-        return name, _value(law, name, known), _unit(unit), where, doc
+        return name, _value(law, name, known), symbol(unit), where, doc
     energy = _value(law.ea_ev, f"{name}.ea_ev", known)
     at = f"{number(law.at_c)} °C; activation energy {energy} eV"
-    return name, _value(law.value, name, known), _unit(unit), at, doc
+    return name, _value(law.value, name, known), symbol(unit), at, doc
 
 
-def _by_point(entries: Sequence[tuple[str, Any, Any]], known: dict[str, Any]) -> list[Table]:
+def _by_point(entries: Sequence[Entry], known: dict[str, Parameter]) -> list[Table]:
     """Parameters with a value an operating point; side by side where they are few."""
     made: dict[tuple[Any, ...], list[tuple[str, ...]]] = {}
     for name, law, (unit, _) in entries:
         cells = [_value(v, f"{name}[{n}]", known) for n, v in enumerate(law.values)]
-        made.setdefault(law.points, []).append((name, _unit(unit), *cells))
+        made.setdefault(law.points, []).append((name, symbol(unit), *cells))
     tables = []
     for points, rows in made.items():
         heads = [point_label(p, varied(vars(q) for q in points)) for p in points]
@@ -128,7 +128,7 @@ def _by_point(entries: Sequence[tuple[str, Any, Any]], known: dict[str, Any]) ->
     return tables
 
 
-def direct_section(result: Any) -> list[Section]:
+def direct_section(result: Fit | Diagnosis | Refinement) -> list[Section]:
     """What the frames determine without a model, beside the model's; nothing where they do not."""
     rows = direct_rows(result)
     if not rows:
@@ -138,7 +138,7 @@ def direct_section(result: Any) -> list[Section]:
     return [Section("direct", "Model and direct measurement", tables=[made])]
 
 
-def parameters_section(title: str, result: Any) -> Section:
+def parameters_section(title: str, result: Fit | Refinement) -> Section:
     """The fitted numbers in the terminal, each with its unit and its operating point."""
     rows, common = parameter_rows(result)
     told = any(at for *_, at in rows)
@@ -148,8 +148,8 @@ def parameters_section(title: str, result: Any) -> Section:
     return Section("parameters", title, tables=[table], paged=False)
 
 
-def undetermined_section(result: Any) -> Section:
+def undetermined_section(result: Fit | Refinement) -> Section:
     """What the captures do not determine, in the terminal."""
-    said = list(getattr(result, "undetermined", []))
+    said = list(result.undetermined)
     title = "Not determined from these captures"
     return Section("undetermined", title, points=said, most=6, paged=False)

@@ -5,21 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures import (
-    codes,
+    code_use,
     distribution,
-    lines,
-    over_temperature,
-    planes,
+    exceedance,
+    frame_means,
+    noise_and_dark_signal,
+    over_operating_points,
+    rows_and_columns,
     shading,
     spectrum,
-    tails,
-    timeline,
-    trends,
+    spectrum_2d,
 )
 from dnanalyze.report.figures.style import Layer, Picture
 from dnanalyze.report.page import Section, Table
-from dnanalyze.report.tables import info, worst
+from dnanalyze.report.statistic_rows import info, worst
 from dnanalyze.report.words import (
     FAMILIES,
     family_title,
@@ -37,13 +38,13 @@ Rows = Sequence[Mapping[str, Any]]
 
 
 def _some(names: Sequence[str], caption: str) -> Callable[[Drawn], Picture | None]:
-    return lambda drawn: over_temperature.statistics(drawn, names, caption)
+    return lambda drawn: over_operating_points.statistics(drawn, names, caption)
 
 
 Draw = Callable[[Drawn], Picture | Sequence[Picture | None] | None]
 FIGURES: dict[str, tuple[Draw, ...]] = {
     "level": (
-        trends.over_temperature,
+        noise_and_dark_signal.over_temperature,
         _some(
             ("temporal_noise_core", "pattern_noise_core", "frame_noise_core", "median"),
             "Standard deviations of the central 68 % of the pixels, which hot pixels do not "
@@ -68,7 +69,7 @@ FIGURES: dict[str, tuple[Draw, ...]] = {
         ),
     ),
     "tails": (
-        tails.exceedance,
+        exceedance.exceedance,
         _some(
             (
                 "hot_count_8",
@@ -84,10 +85,10 @@ FIGURES: dict[str, tuple[Draw, ...]] = {
             "share of hot pixels that repeat.",
         ),
     ),
-    "spectrum": (spectrum.spectra, planes.planes),
+    "spectrum": (spectrum.spectra, spectrum_2d.planes),
     "lines": (
-        lines.profiles,
-        lines.spectra,
+        rows_and_columns.profiles,
+        rows_and_columns.spectra,
         _some(
             (
                 "column_outliers",
@@ -119,7 +120,7 @@ FIGURES: dict[str, tuple[Draw, ...]] = {
         ),
     ),
     "time": (
-        timeline.frame_means,
+        frame_means.frame_means,
         _some(
             (
                 "noise_at_50",
@@ -136,7 +137,7 @@ FIGURES: dict[str, tuple[Draw, ...]] = {
         ),
     ),
     "codes": (
-        codes.roughness,
+        code_use.roughness,
         _some(
             ("lattice", "unused_codes", "code_roughness", "low_spike"),
             "Missing codes, roughness of the histogram, and clipping.",
@@ -277,7 +278,7 @@ def measured(layer: Layer, family: str) -> Table | None:
     )
 
 
-def _value(setting: Any, name: str) -> str:
+def _value(setting: SettingStatistics, name: str) -> str:
     found = setting.values.get(name)
     if found is None:
         return "–"

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from dnanalyze.benchmarking import record as records
+from dnanalyze.benchmarking import sensor_record as records
+from dnanalyze.benchmarking.benchmark_value import ABSENT, BenchmarkValue
 from dnanalyze.benchmarking.criteria import CRITERIA, SINGLE
-from dnanalyze.benchmarking.figure import ABSENT, Figure
-from dnanalyze.benchmarking.laws import Reading, common_temperatures, estimate
-from dnanalyze.benchmarking.modelled import modelled, strengths
-from dnanalyze.benchmarking.record import SensorRecord, gain_of
+from dnanalyze.benchmarking.model_findings import model_findings, strengths
 from dnanalyze.benchmarking.run import benchmark, side_by_side, unique_names
+from dnanalyze.benchmarking.sensor_record import SensorRecord, gain_of
+from dnanalyze.benchmarking.temperature_laws import Reading, common_temperatures, estimate
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
@@ -109,7 +109,7 @@ def ranked(figures):
     sensors = []
     for name, value, se in figures:
         made = made_record(name, 3.0)
-        made.single["read_noise"] = Figure(value, se)
+        made.single["read_noise"] = BenchmarkValue(value, se)
         sensors.append(made)
     result = side_by_side(sensors)
     (ranking,) = [r for r in result.rankings if r.criterion == "read_noise"]
@@ -149,7 +149,7 @@ def test_who_is_told_from_the_best_is_no_first_whatever_stands_between():
 
 
 def test_gain_and_area_normalise():
-    gains = Figure(0.5, 0.005, "")
+    gains = BenchmarkValue(0.5, 0.005, "")
     a, b = made_record("a", 3.0, dn_per_e=gains), made_record("b", 3.0)
     object.__setattr__(a.captures.sensor, "pixel_pitch_um", 5.0)
     result = side_by_side([a, b], [45.0])
@@ -179,8 +179,8 @@ def test_a_law_is_not_read_far_outside_what_was_measured():
 
 
 def test_single_frames_are_not_ranked_beside_what_tells_noise_from_pattern():
-    noise = {"read_noise": Figure(2.0, 0.01)}
-    both = {"read_noise": Figure(1.0, 0.01, one_frame=True)}
+    noise = {"read_noise": BenchmarkValue(2.0, 0.01)}
+    both = {"read_noise": BenchmarkValue(1.0, 0.01, one_frame=True)}
     several, single = made_record("several", 3.0), made_record("single", 3.0)
     several.single.update(noise)
     single.single.update(both)
@@ -356,8 +356,8 @@ def test_bad_input_is_one_line(capsys, tmp_path):
 
 def test_the_headline_compares_electrons_where_they_are_known():
     # fewer DN, yet more electrons: its gain is a tenth
-    low = made_record("low", 3.0, dn_per_e=Figure(0.05, 0.0005, ""))
-    high = made_record("high", 9.0, dn_per_e=Figure(0.5, 0.005, ""))
+    low = made_record("low", 3.0, dn_per_e=BenchmarkValue(0.05, 0.0005, ""))
+    high = made_record("high", 9.0, dn_per_e=BenchmarkValue(0.5, 0.005, ""))
     assert results.headline(side_by_side([low, high], [45.0])) == (
         "Of 2 sensors at 45 °C, high is best in dark current (e⁻/s)."
     )
@@ -378,10 +378,10 @@ def test_what_was_found_of_the_same_files_is_not_worked_out_again(
     write_captures(virtual("cool", 3.0, 1), tmp_path / "cool", "npy")
     captures = load(str(tmp_path / "cool")).cached(str(tmp_path / "cache"))
     told = []
-    first = modelled(captures, True, told.append)
+    first = model_findings(captures, True, told.append)
     assert told == ["Wang 2025 model", "hidden filters"]
     monkeypatch.setattr(comparison, "compare_on", None)  # would fail
-    second = modelled(captures, True, told.append)
+    second = model_findings(captures, True, told.append)
     assert len(told) == 2
     assert second.errors == first.errors
     assert (second.filtered, second.notes) == (first.filtered, first.notes)
@@ -389,11 +389,11 @@ def test_what_was_found_of_the_same_files_is_not_worked_out_again(
 
 
 def test_a_sensor_is_read_back_as_it_was_kept():
-    from dnanalyze.benchmarking import modelled as kept
+    from dnanalyze.benchmarking import model_findings as kept
 
     model, _ = virtual_model(3.0, 1)
-    found = kept.Modelled(
-        {"gaussian": 9.0}, Figure(0.5, 0.01, "n"), strengths(model), "adequate", "45 °C", True,
-        "dpc", ["a note"],
+    found = kept.ModelFindings(
+        {"gaussian": 9.0}, BenchmarkValue(0.5, 0.01, "n"), strengths(model), "adequate", "45 °C",
+        True, "dpc", ["a note"],
     )  # fmt: skip
-    assert kept._read(json.loads(json.dumps(kept._plain(found)))) == found
+    assert kept.KEPT.validate_python(json.loads(json.dumps(asdict(found)))) == found

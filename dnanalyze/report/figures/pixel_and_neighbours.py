@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -62,14 +63,14 @@ def scatter(frames: Sequence[tuple[str, np.ndarray]]) -> Picture | None:
     frames : sequence of (str, ndarray)
         Title and one frame (one colour plane), DN.
     """
-
-    def cell(title: str, frame: np.ndarray) -> Cell:
-        return Cell(lambda ax: draw_neighbours(ax, frame).set_title(title), 3.6, 3.6)
-
     if not frames:
         return None
+    cells = [
+        Cell(partial(draw_neighbours, frame=frame), 3.6, 3.6, title=title)
+        for title, frame in frames
+    ]
     return panels(
-        [*(cell(*f) for f in frames), bar_cell("pixels", 1, BRIGHT_END, height=3.3, log=True)],
+        [*cells, bar_cell("pixels", 1, BRIGHT_END, height=3.3, log=True)],
         "Each pixel of one frame over the largest of its eight neighbours (of its own colour), "
         "above the median, in robust standard deviations. Orange line: pixel and neighbour are "
         "equal. In an unfiltered frame hot pixels form a vertical arm at the left, far above that "

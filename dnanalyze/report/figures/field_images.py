@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from dnanalyze.report.fields import TEMPORAL, Fields
+from dnanalyze.report.figures.colour_bar import bar_below
 from dnanalyze.report.figures.style import Cell, Picture, panels
 from dnanalyze.report.words import point_label, sentence, varied
 from dnanalyze.robust import robust_deviation
@@ -94,23 +96,13 @@ def draw_field(
         (rows, columns) in pixels.
     """
     from matplotlib import colormaps
-    from matplotlib.ticker import MaxNLocator
 
     tones = colormaps[colours].resampled(TONES)
     shown = ax.imshow(
         image, cmap=tones, vmin=ends[0], vmax=ends[1], interpolation="none", aspect="equal",
         extent=(0, size[1], size[0], 0),
     )  # fmt: skip
-    ax.grid(False)
-    ax.set_xticks([])
-    ax.set_yticks([])
-    bar = ax.figure.colorbar(shown, ax=ax, orientation="horizontal", pad=0.03, aspect=24)
-    bar.set_label("DN")
-    bar.outline.set_visible(False)
-    bar.ax.tick_params(labelsize=7, length=2)
-    inside = ends[1] - ends[0]
-    ticks = MaxNLocator(4).tick_values(*ends)
-    bar.set_ticks([t for t in ticks if 0.05 < (t - ends[0]) / inside < 0.95])
+    bar_below(ax, shown, ends, aspect=24, margin=0.05)
     return ax
 
 
@@ -136,11 +128,8 @@ def _panel(
     """One of ``count`` panels side by side."""
     wide = min(3.35, 10.3 / max(count, 3) - 0.1)
     tall = 0.75 + min(max(wide * size[0] / size[1], 0.9), 3.4)
-
-    def draw(ax: Any) -> None:
-        draw_field(ax, image, ends, colours, size).set_title(title)
-
-    return Cell(draw, wide, tall)
+    draw = partial(draw_field, image=image, ends=ends, colours=colours, size=size)
+    return Cell(draw, wide, tall, title=title)
 
 
 def field_row(found: Fields | None) -> Picture | None:

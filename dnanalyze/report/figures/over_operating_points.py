@@ -23,7 +23,7 @@ from dnanalyze.report.figures.style import (
     quantity,
     runs,
 )
-from dnanalyze.report.tables import info
+from dnanalyze.report.statistic_rows import info
 from dnanalyze.report.words import varied
 
 BAND = 2.0  # standard errors that the line through a measured value reaches

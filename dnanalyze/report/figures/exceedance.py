@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.style import (
     INK,
     Layer,
@@ -20,7 +21,7 @@ from dnanalyze.report.figures.style import (
 _NAMES = ("exceedance_k", "exceedance_n")
 
 
-def draw_exceedance(ax: Any, drawn: Sequence[Layer], setting: Any) -> Any:
+def draw_exceedance(ax: Any, drawn: Sequence[Layer], setting: SettingStatistics) -> Any:
     """Pixels of the mean frame above its median by more than k robust standard deviations."""
     for layer in drawn:
         found = curve(layer.like(setting), *_NAMES)

@@ -9,7 +9,7 @@ from typing import TextIO
 MOST = 3  # lines of a run; what overflows once does so at every step of a fit
 
 
-class Told:
+class ShortWarnings:
     """Takes the place of ``warnings.showwarning``, which prints a line of source code."""
 
     def __init__(self) -> None:

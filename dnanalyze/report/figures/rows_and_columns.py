@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.style import (
     Cell,
     Layer,
@@ -28,7 +31,9 @@ SIDES = ("column", "row")
 PARTS = {"pattern": "DSNU", "temporal": "temporal noise", "frame": "single frame"}
 
 
-def draw_profile(ax: Any, drawn: Sequence[Layer], setting: Any, side: str = "column") -> Any:
+def draw_profile(
+    ax: Any, drawn: Sequence[Layer], setting: SettingStatistics, side: str = "column"
+) -> Any:
     """Means of the columns (or rows) along the sensor; a Gaussian's say nothing."""
     for layer in shown_layers(drawn):
         found = curve(layer.like(setting), f"{side}_mean")
@@ -45,7 +50,11 @@ def draw_profile(ax: Any, drawn: Sequence[Layer], setting: Any, side: str = "col
 
 
 def draw_line_spectrum(
-    ax: Any, drawn: Sequence[Layer], setting: Any, side: str = "column", part: str = "pattern"
+    ax: Any,
+    drawn: Sequence[Layer],
+    setting: SettingStatistics,
+    side: str = "column",
+    part: str = "pattern",
 ) -> Any:
     """Power spectrum of the column (or row) means, in units of a pixel's variance."""
     for layer in drawn:
@@ -66,15 +75,14 @@ def profiles(drawn: Sequence[Layer]) -> Picture | None:
     measured = drawn[0].statistics
     settings = chosen(measured, 2, lambda s: any(curve(s, f"{side}_mean") for side in SIDES))
 
-    def cell(side: str, setting: Any, title: str) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_profile(ax, drawn, setting, side).set_title(f"{side} means, {title}")
-
-        return Cell(draw, 4.4, 1.9)
-
     return panels(
         [
-            cell(side, s, title)
+            Cell(
+                partial(draw_profile, drawn=drawn, setting=s, side=side),
+                4.4,
+                1.9,
+                title=f"{side} means, {title}",
+            )
             for side in SIDES
             for s, title in zip(settings, labels(settings), strict=True)
         ],
@@ -91,18 +99,18 @@ def spectra(drawn: Sequence[Layer]) -> Picture | None:
     if "pattern" in some:
         some = [p for p in some if p != "frame"]
 
-    def cell(side: str, setting: Any, part: str, title: str) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_line_spectrum(ax, drawn, setting, side, part)
-            ax.set_title(f"{side}s, {PARTS[part]}, {title}")
-
-        return Cell(draw, 2.5, 2.2)
-
     cells, shown = [], []
-    for side in SIDES:
-        for part in some:
-            shown = chosen(measured, 2, has(f"{part}_column_spectrum"))
-            cells += [cell(side, s, part, t) for s, t in zip(shown, labels(shown), strict=True)]
+    for side, part in product(SIDES, some):
+        shown = chosen(measured, 2, has(f"{part}_column_spectrum"))
+        cells += [
+            Cell(
+                partial(draw_line_spectrum, drawn=drawn, setting=s, side=side, part=part),
+                2.5,
+                2.2,
+                title=f"{side}s, {PARTS[part]}, {title}",
+            )
+            for s, title in zip(shown, labels(shown), strict=True)
+        ]
     return panels(
         cells,
         "Power spectra of the column and row means in units of the variance of a pixel: columns or "

@@ -31,7 +31,7 @@ class Reading:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class LawEstimate:
     """A figure at a temperature, from its law.
 
     Parameters
@@ -84,7 +84,7 @@ def _basis(
 
 def estimate(
     readings: Sequence[Reading], temperature_c: float, floor: bool = True
-) -> Estimate | None:
+) -> LawEstimate | None:
     """A positive figure at a temperature.
 
     Laws: its logarithm constant, linear or (of a rate) quadratic in 1/T; of a noise also its
@@ -101,7 +101,7 @@ def estimate(
 
     Returns
     -------
-    Estimate or None
+    LawEstimate or None
         None without readings, or from one reading at another temperature.
     """
     known = [r for r in readings if r.value > 0 and math.isfinite(r.value) and math.isfinite(r.se)]
@@ -111,7 +111,7 @@ def estimate(
     nearest = min(known, key=lambda r: abs(r.temperature_c - temperature_c))
     gap = abs(nearest.temperature_c - temperature_c)
     if np.unique(kelvin).size < 2:
-        return Estimate(nearest.value, nearest.se, 1.0, 0.0) if gap < 1.0 else None
+        return LawEstimate(nearest.value, nearest.se, 1.0, 0.0) if gap < 1.0 else None
     values = np.array([r.value for r in known])
     relative = np.maximum([r.se / r.value for r in known], LEAST_RELATIVE)
     fits = [
@@ -129,7 +129,7 @@ def estimate(
     low, high = kelvin.min() - KELVIN, kelvin.max() - KELVIN
     outside = max(0.0, low - temperature_c, temperature_c - high)
     own = max(nearest.se / nearest.value, 1e-9)
-    return Estimate(value, value * error, error / own, float(outside))
+    return LawEstimate(value, value * error, error / own, float(outside))
 
 
 def _fits(

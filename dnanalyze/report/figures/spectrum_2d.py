@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.colour_bar import bar_cell
 from dnanalyze.report.figures.style import (
     Cell,
@@ -26,7 +28,7 @@ WIDEST = 90  # columns of half a plane that a panel can show
 BAR = "power / median power [dB]"
 
 
-def draw_plane(ax: Any, setting: Any, part: str = "pattern") -> Any:
+def draw_plane(ax: Any, setting: SettingStatistics | None, part: str = "pattern") -> Any:
     """Power over horizontal (u) and vertical (v) frequency, dB about its median.
 
     Parameters
@@ -56,22 +58,16 @@ def planes(drawn: Sequence[Layer]) -> Picture | None:
     """Measured and model at the coldest and the warmest setting, with one colour bar."""
     measured = drawn[0].statistics
 
-    def cell(layer: Layer, setting: Any, part: str, title: str) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_plane(ax, layer.like(setting), part).set_title(f"{PARTS[part]}, {title}")
-
-        return Cell(draw, 2.2, 2.15)
-
     cells: list[Cell] = []
     shown: list[Any] = []
     for part in PARTS:
         found = chosen(measured, 2, lambda s, p=part: _plane(s, p) is not None)  # type: ignore[misc]
         shown = found or shown
         for setting, title in zip(found, labels(found), strict=True):
-            cells += [
-                cell(k, setting, part, f"{title}\n{k.label}" if len(drawn) > 1 else title)
-                for k in shown_layers(drawn)
-            ]
+            for layer in shown_layers(drawn):
+                name = f"\n{layer.label}" if len(drawn) > 1 else ""
+                draw = partial(draw_plane, setting=layer.like(setting), part=part)
+                cells.append(Cell(draw, 2.2, 2.15, title=f"{PARTS[part]}, {title}{name}"))
     if not cells:
         return None
     return panels(
@@ -84,7 +80,7 @@ def planes(drawn: Sequence[Layer]) -> Picture | None:
     )
 
 
-def _plane(setting: Any, part: str) -> np.ndarray | None:
+def _plane(setting: SettingStatistics | None, part: str) -> np.ndarray | None:
     """The plane in dB about its median, from -1/2 to 1/2 in both directions, ends included.
 
     Kept is the half u >= 0; the other is the same turned by 180 degrees.

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dnanalyze.report.words import is_number, number, plural
 
+if TYPE_CHECKING:
+    from dnanalyze.loaders.captures import CaptureSet
 
-def title(captures: Any) -> str:
+
+def title(captures: CaptureSet) -> str:
     """The folder's own name."""
     return str(captures.name).rstrip("/").rsplit("/", 1)[-1] or str(captures.name)
 
@@ -23,13 +26,13 @@ def spread(values: list[float], unit: str) -> str:
     return f"{number(known[0])} to {number(known[-1])} {unit}"
 
 
-def known(captures: Any, key: str) -> list[float]:
+def known(captures: CaptureSet, key: str) -> list[float]:
     """The values of a field of the operating points, where they are known."""
     values = [getattr(s.point, key) for s in captures.settings]
     return [v for v in values if is_number(v)]
 
 
-def facts(captures: Any) -> dict[str, str]:
+def facts(captures: CaptureSet) -> dict[str, str]:
     """What to know of the captures, a word to a few words."""
     sensor = captures.sensor
     counts = sorted({len(s.frames) for s in captures.settings})
@@ -53,12 +56,12 @@ def facts(captures: Any) -> dict[str, str]:
     return {key: text.strip() for key, text in made.items() if text.strip()}
 
 
-def one_line(captures: Any) -> str:
+def one_line(captures: CaptureSet) -> str:
     """``column: 5 operating points, 25 to 105 °C, 30 frames of 384 × 384``."""
     return f"{title(captures)}: {about(captures)}"
 
 
-def about(captures: Any) -> str:
+def about(captures: CaptureSet) -> str:
     """``5 operating points, 25 to 105 °C, 30 frames of 384 × 384``."""
     sensor = captures.sensor
     channels = list(dict.fromkeys(s.point.channel for s in captures.settings if s.point.channel))

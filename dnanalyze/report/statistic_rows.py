@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from dnanalyze.analyzers.statistics import Scale, StatisticInfo
+from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 from dnanalyze.estimate import NORMAL_95
 from dnanalyze.report.words import is_number
 
@@ -30,7 +30,7 @@ def named(name: str) -> str:
     return f"{title} ({name})" if name in _infos() and title else name
 
 
-def measured_value(scale: Scale, value: Any, repeated: bool = False) -> dict[str, float | None]:
+def measured_value(scale: Scale, value: Value, repeated: bool = False) -> dict[str, float | None]:
     """A statistic with its errors in its own unit, and its standard error on its scale.
 
     ``low``, ``high``: interval of 95 %, symmetric on the scale. ``repeated``: whether the column of

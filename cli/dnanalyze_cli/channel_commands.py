@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     Run = Callable[[Progress], ChannelRefinement]
 
 
-def spread(model: NoiseModel, found: CaptureSet) -> NoiseModel:
+def with_rows_by_channel(model: NoiseModel, found: CaptureSet) -> NoiseModel:
     """A row for every channel in what belongs to the readout, where the model has one for all."""
     from dnanalyze.model.channel_models import channel_model, channels_of, merged
 
@@ -27,7 +27,7 @@ def spread(model: NoiseModel, found: CaptureSet) -> NoiseModel:
     return merged({c: channel_model(model, c) for c in found.channels}, celsius)
 
 
-def refine(session: Session, found: CaptureSet, run: Run) -> None:
+def run_over_channels(session: Session, found: CaptureSet, run: Run) -> None:
     """Run, show and write what completes the model of every channel."""
     with session.progress("Reading frames") as progress:
         result = run(progress)
@@ -36,7 +36,7 @@ def refine(session: Session, found: CaptureSet, run: Run) -> None:
     session.finish(result, more={"schema": f"dnanalyze/{session.command}/1"})
 
 
-def diagnose(
+def diagnose_over_channels(
     session: Session,
     found: CaptureSet,
     model: NoiseModel | None,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.analyzers.estimators.arrhenius import unusual
-from dnanalyze.report.figures.over_temperature import draw_statistic, one_line_each, tells
+from dnanalyze.report.figures.over_operating_points import draw_statistic, one_line_each, tells
 from dnanalyze.report.figures.style import (
     ACCENT,
     Cell,

@@ -10,15 +10,15 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
+from dnanalyze.benchmarking.benchmark_value import ABSENT, BenchmarkValue
 from dnanalyze.benchmarking.criteria import CRITERIA, SINGLE, Criterion
-from dnanalyze.benchmarking.figure import ABSENT, Figure
-from dnanalyze.benchmarking.laws import Reading
-from dnanalyze.benchmarking.modelled import Strength, modelled
+from dnanalyze.benchmarking.model_findings import Strength, model_findings
+from dnanalyze.benchmarking.temperature_laws import Reading
+from dnanalyze.emva.quantity import Group
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 from dnanalyze.progress import ignored
 
 ELECTRON = 1.602176634e-19  # C
-LEAST_SLOPE = 5.0  # standard errors from which the slope of variance over mean counts as the gain
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class SensorRecord:
         Criterion to its readings over temperature, of the longest exposure.
     single : dict
         Criterion to its one figure.
-    dn_per_e : Figure
+    dn_per_e : BenchmarkValue
         Conversion gain.
     errors : dict
         "gaussian", "paper", "refined".
@@ -54,8 +54,8 @@ class SensorRecord:
     captures: CaptureSet
     statistics: Statistics
     readings: dict[str, list[Reading]]
-    single: dict[str, Figure]
-    dn_per_e: Figure
+    single: dict[str, BenchmarkValue]
+    dn_per_e: BenchmarkValue
     errors: dict[str, float]
     effects: list[Strength] = field(default_factory=list)
     verdict: str = ""
@@ -112,7 +112,7 @@ def record(
 
     on_progress(f"{name}: statistics")
     statistics = analyze(captures)
-    found = modelled(captures, quick, lambda what: on_progress(f"{name}: {what}"), processes)
+    found = model_findings(captures, quick, lambda what: on_progress(f"{name}: {what}"), processes)
     return SensorRecord(
         name, folder, captures, statistics, readings_of(statistics), single_of(statistics),
         found.gain if found.gain.known else gain_of(statistics), found.errors, found.effects,
@@ -145,7 +145,7 @@ def _longest(statistics: Statistics) -> list[SettingStatistics]:
     return [s for s in statistics.settings if s.point in kept]
 
 
-def _value(settings: list[SettingStatistics], names: tuple[str, ...]) -> Figure:
+def _value(settings: list[SettingStatistics], names: tuple[str, ...]) -> BenchmarkValue:
     """Mean over colour planes of the first statistic that they tell; error in plain units."""
     for name in names:
         values = [s.values[name] for s in settings if name in s.values]
@@ -154,7 +154,7 @@ def _value(settings: list[SettingStatistics], names: tuple[str, ...]) -> Figure:
         scale = infos()[name].scale
         plain = [scale.plain(scale.coordinate(v.value) + v.se) - v.value for v in values]
         mean = float(np.mean([v.value for v in values]))
-        return Figure(mean, float(np.sqrt(np.sum(np.square(plain)))) / len(values), name)
+        return BenchmarkValue(mean, float(np.sqrt(np.sum(np.square(plain)))) / len(values), name)
     return ABSENT
 
 
@@ -179,19 +179,16 @@ def _series(settings: list[SettingStatistics], name: str) -> list[Reading]:
     return rows
 
 
-def single_of(statistics: Statistics) -> dict[str, Figure]:
+def single_of(statistics: Statistics) -> dict[str, BenchmarkValue]:
     """The criteria of which a sensor has one."""
-    made = {}
-    for criterion in SINGLE:
-        made[criterion.name] = _single(statistics, criterion)
-    return made
+    return {criterion.name: _single(statistics, criterion) for criterion in SINGLE}
 
 
-def _single(statistics: Statistics, criterion: Criterion) -> Figure:
+def _single(statistics: Statistics, criterion: Criterion) -> BenchmarkValue:
     for name in criterion.statistics:
         if name in statistics.trends:
             value = statistics.trends[name]
-            return Figure(value.value, value.se, name)
+            return BenchmarkValue(value.value, value.se, name)
     points = list(dict.fromkeys(s.point for s in statistics.settings))
     if not points or all(n in _TRENDS for n in criterion.statistics):
         return ABSENT
@@ -204,38 +201,23 @@ def _single(statistics: Statistics, criterion: Criterion) -> Figure:
     if not figure.known:
         return ABSENT
     one_frame = figure.note in criterion.statistics[1:]
-    return Figure(figure.value, figure.se, f"at {chosen.label()}", one_frame)
+    return BenchmarkValue(figure.value, figure.se, f"at {chosen.label()}", one_frame)
 
 
 _TRENDS = {"pedestal", "activation_energy_ev", "doubling_step_c"}
 
 
-def gain_of(statistics: Statistics) -> Figure:
-    """Conversion gain, DN/e-, from the slope of temporal variance over mean (photon transfer).
+def gain_of(statistics: Statistics) -> BenchmarkValue:
+    """Conversion gain, DN/e-, as `analyze` states it: recorded, or by photon transfer in the dark.
 
-    Only where the dark series tells it clearly: the slope stands 5 standard errors above 0.
-    Janesick, Photon Transfer (SPIE, 2007).
+    Of the colour plane, gain and channel with the most operating points that determine it.
     """
-    points: dict[OperatingPoint, list[SettingStatistics]] = {}
-    for s in statistics.settings:
-        if "temporal_noise_core" in s.values:
-            points.setdefault(s.point, []).append(s)
-    rows = []
-    for here in points.values():
-        noise, level = _value(here, ("temporal_noise_core",)), _value(here, ("median",))
-        variance = noise.value**2
-        rows.append((level.value, variance, max(2 * noise.value * noise.se, 0.01 * variance)))
-    if len(rows) < 3:
-        return Figure(math.nan, math.nan, "fewer than three operating points with several frames")
-    x, y, sigma = np.array(rows).T
-    a = np.stack([np.ones_like(x), x - x.mean()], axis=1) / sigma[:, None]
-    covariance = np.linalg.pinv(a.T @ a)
-    solution = covariance @ (a.T @ (y / sigma))
-    pulls = y / sigma - a @ solution
-    scale = max(1.0, math.sqrt(float(pulls @ pulls) / (x.size - 2)))
-    slope, se = float(solution[1]), math.sqrt(float(covariance[1, 1])) * scale
-    if slope < LEAST_SLOPE * se:
-        return Figure(
-            math.nan, math.nan, "the slope of temporal variance over mean is not significant"
-        )
-    return Figure(slope, se, "photon transfer in the dark")
+    gains = [next(iter(g.quantities)) for g in sorted(statistics.emva.groups, key=_size)]
+    for gain in gains:
+        if gain.value is not None and gain.se is not None:
+            return BenchmarkValue(gain.value, gain.se, gain.note)
+    return BenchmarkValue(math.nan, math.nan, gains[0].reason) if gains else ABSENT
+
+
+def _size(group: Group) -> int:
+    return -len(group.points)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.style import (
     QUIET,
     Layer,
@@ -20,7 +21,7 @@ _NAMES = ("histogram_codes", "histogram_counts")
 SHOWN, FEWEST = 64, 6  # codes in a panel
 
 
-def draw_codes(ax: Any, drawn: Sequence[Layer], setting: Any) -> Any:
+def draw_codes(ax: Any, drawn: Sequence[Layer], setting: SettingStatistics) -> Any:
     """Counts of each code over the mean of its neighbourhood, around the median."""
     for layer in drawn:
         found = _ratio(layer.like(setting))
@@ -47,7 +48,7 @@ def roughness(drawn: Sequence[Layer]) -> Picture | None:
     )
 
 
-def _ratio(setting: Any) -> tuple[np.ndarray, np.ndarray] | None:
+def _ratio(setting: SettingStatistics | None) -> tuple[np.ndarray, np.ndarray] | None:
     """Codes of the core and their counts over a parabola through the log of their neighbourhood."""
     found = curve(setting, *_NAMES)
     if found is None:

@@ -3,11 +3,11 @@
 import subprocess
 import sys
 
-from dnanalyze_cli.warned import Told
+from dnanalyze_cli.short_warnings import ShortWarnings
 
 
 def test_a_warning_is_one_line_and_told_once(capsys):
-    told = Told()
+    told = ShortWarnings()
     for _ in range(3):
         told(RuntimeWarning("overflow\nencountered in multiply"), RuntimeWarning, "/a/b.py", 7)
     out, err = capsys.readouterr()
@@ -17,7 +17,7 @@ def test_a_warning_is_one_line_and_told_once(capsys):
 
 
 def test_a_run_has_no_more_than_three(capsys):
-    told = Told()
+    told = ShortWarnings()
     for line in range(9):
         told(RuntimeWarning("invalid value"), RuntimeWarning, "c.py", line)
     assert capsys.readouterr().err.count("note: ") == 3

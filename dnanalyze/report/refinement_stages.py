@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 from dnanalyze.model.registry import BASELINE
 from dnanalyze.report.words import step_name
+
+if TYPE_CHECKING:
+    from dnanalyze.diagnosis.results import Step
+
 
 BASELINE_STAGE = "baseline model"
 
@@ -27,10 +31,10 @@ class Stage:
 
     name: str
     error: float
-    parts: tuple[Any, ...]
+    parts: tuple[Step, ...]
 
 
-def stages(steps: Sequence[Any]) -> list[Stage]:
+def stages(steps: Sequence[Step]) -> list[Stage]:
     """The steps of a refinement, the baseline effects, which are fitted together, as one."""
     made = [Stage(step_name(s.added, n), s.error, (s,)) for n, s in enumerate(steps)]
     first = 1

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
 
 from dnanalyze.analyzers.catalogue import catalogue
+from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.digits import minus, symbol
 from dnanalyze.emva import kinds
 from dnanalyze.emva.quantity import Emva, Group, Kind, PointQuantities, Quantity
@@ -162,7 +162,7 @@ def _some(names: Sequence[str], most: int = 4) -> str:
     return listing([*names[:most], *more], between)
 
 
-def missing_statistics(measured: Any) -> list[str]:
+def missing_statistics(measured: Statistics) -> list[str]:
     """A sentence for each reason why statistics are not determined, with their titles."""
     known = catalogue()
     why: dict[str, dict[str, None]] = {}

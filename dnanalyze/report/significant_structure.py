@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
 from dnanalyze.report.fields import FRAME, MEAN, Place
-from dnanalyze.report.tables import info
+from dnanalyze.report.statistic_rows import info
 from dnanalyze.report.words import number, point_label, varied
 
 SIGMA = 6.0  # standard errors from which a difference from chance counts

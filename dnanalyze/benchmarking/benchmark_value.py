@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Figure:
+class BenchmarkValue:
     """A number with its error; ``note`` says where it comes from, or why it is absent.
 
     ``one_frame``: told by single frames, so that the fixed pattern is in it.
@@ -24,4 +24,4 @@ class Figure:
         return math.isfinite(self.value)
 
 
-ABSENT = Figure(math.nan, math.nan, "not determined from these captures")
+ABSENT = BenchmarkValue(math.nan, math.nan, "not determined from these captures")

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from dnanalyze.analyzers.streaming import cache
-from dnanalyze.benchmarking.figure import ABSENT, Figure
+from dnanalyze.benchmarking.benchmark_value import ABSENT, BenchmarkValue
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import CaptureSet
+from dnanalyze.model.noise_model import NoiseModel
 
 PACKAGE = Path(__file__).parents[1]
 REPLICATES = 8  # simulated sensors that tell the error of the gain
@@ -38,14 +40,14 @@ class Strength:
 
 
 @dataclass(frozen=True)
-class Modelled:
+class ModelFindings:
     """What comparison, refinement and detection found of one sensor.
 
     Parameters
     ----------
     errors : dict
         "gaussian", "paper", "refined".
-    gain : Figure
+    gain : BenchmarkValue
         Conversion gain by the shot noise of the refined model.
     effects : list of Strength
     verdict : str
@@ -58,7 +60,7 @@ class Modelled:
     """
 
     errors: dict[str, float] = field(default_factory=dict)
-    gain: Figure = ABSENT
+    gain: BenchmarkValue = ABSENT
     effects: list[Strength] = field(default_factory=list)
     verdict: str = ""
     reference: str = ""
@@ -67,9 +69,12 @@ class Modelled:
     notes: list[str] = field(default_factory=list)
 
 
-def modelled(
+KEPT = TypeAdapter(ModelFindings)  # reads what was kept on disk
+
+
+def model_findings(
     captures: CaptureSet, quick: bool, on_progress: Callable[[str], None], processes: bool = True
-) -> Modelled:
+) -> ModelFindings:
     """Compare, refine and detect; what was found before of the same files is read again.
 
     Parameters
@@ -83,25 +88,25 @@ def modelled(
         Whether other processes may be started.
     """
     entry = cache.held(captures, "benchmark", quick, cache.code(PACKAGE))
-    known = None if entry is None else entry.read(lambda plain, _: _read(plain))
+    known = None if entry is None else entry.read(lambda plain, _: KEPT.validate_python(plain))
     if known is not None:
         return known
-    made = _modelled(captures, quick, on_progress, processes)
+    made = _model_findings(captures, quick, on_progress, processes)
     if entry is not None:
-        entry.write(_plain(made), {})
+        entry.write(asdict(made), {})
     return made
 
 
-def _modelled(
+def _model_findings(
     captures: CaptureSet, quick: bool, on_progress: Callable[[str], None], processes: bool
-) -> Modelled:
+) -> ModelFindings:
     notes: list[str] = []
     errors, result = _refined(captures, quick, on_progress, processes, notes)
     filtered, kind = _filtered(captures, on_progress, notes)
     if result is None:
-        return Modelled(errors, filtered=filtered, filter_kind=kind, notes=notes)
+        return ModelFindings(errors, filtered=filtered, filter_kind=kind, notes=notes)
     on_progress("standard error of the gain")
-    return Modelled(
+    return ModelFindings(
         errors, _gain(result), strengths(result.model), result.verdict,
         result.model.reference.label(), filtered, kind, notes,
     )  # fmt: skip
@@ -144,13 +149,13 @@ def _refined(
     return errors | {"refined": result.steps[-1].error}, result
 
 
-def strengths(model: Any) -> list[Strength]:
+def strengths(model: NoiseModel) -> list[Strength]:
     """Each effect of a model with its numbers at the model's reference."""
     made = []
     for effect in model.effects:
         variance = effect.variance(model.reference)
         numbers = {
-            key: (effect.value(key, model.reference), info.unit)
+            key: (np.asarray(effect.value(key, model.reference)).item(), info.unit)
             for key, info in effect.parameters().items()
             if info.scale != "choice"
         }
@@ -159,7 +164,7 @@ def strengths(model: Any) -> list[Strength]:
     return made
 
 
-def _gain(result: Any) -> Figure:
+def _gain(result: Any) -> BenchmarkValue:
     if result.model.get("dark_shot_noise") is None:
         return ABSENT
     from dnanalyze.fitting.fit import with_uncertainties
@@ -169,7 +174,7 @@ def _gain(result: Any) -> Figure:
     gain = estimates.get("dark_shot_noise.dn_per_e")
     if gain is None or not (math.isfinite(gain.se) and gain.se < 0.5 * gain.value):
         return ABSENT
-    return Figure(gain.value, gain.se, "shot noise of the refined model")
+    return BenchmarkValue(gain.value, gain.se, "shot noise of the refined model")
 
 
 def _filtered(
@@ -184,25 +189,3 @@ def _filtered(
         notes.append(f"it could not be tested for hidden filters: {error}")
         return None, ""
     return detection.filtered, detection.kind
-
-
-def _plain(found: Modelled) -> dict[str, Any]:
-    """As JSON holds it."""
-    plain = asdict(found)
-    for effect in plain["effects"]:
-        effect["parameters"] = {
-            key: (_number(value), unit) for key, (value, unit) in effect["parameters"].items()
-        }
-    return plain
-
-
-def _number(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
-
-
-def _read(plain: Mapping[str, Any]) -> Modelled:
-    effects = [
-        Strength(e["effect"], e["rms_dn"], {k: tuple(v) for k, v in e["parameters"].items()})
-        for e in plain["effects"]
-    ]
-    return Modelled(**{**plain, "gain": Figure(**plain["gain"]), "effects": effects})

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.report.figures.style import (
     Layer,
     Picture,
@@ -15,7 +16,7 @@ from dnanalyze.report.figures.style import (
 )
 
 
-def draw_frame_means(ax: Any, drawn: Sequence[Layer], setting: Any) -> Any:
+def draw_frame_means(ax: Any, drawn: Sequence[Layer], setting: SettingStatistics) -> Any:
     """Mean of each frame minus the mean of all."""
     for layer in drawn:
         y = _means(layer.like(setting))
@@ -38,7 +39,7 @@ def frame_means(drawn: Sequence[Layer]) -> Picture | None:
     return by_setting(drawn, draw_frame_means, lambda s: _means(s) is not None, texts, height=2.0)
 
 
-def _means(setting: Any) -> np.ndarray | None:
+def _means(setting: SettingStatistics | None) -> np.ndarray | None:
     found = curve(setting, "frame_means")
     if found is None or found[0].size < 2:
         return None

@@ -6,12 +6,13 @@ Figure 2: spectra of all temperatures on one axis.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from dnanalyze.analyzers.statistics import SettingStatistics
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.report.figures.distribution import draw_histogram
 from dnanalyze.report.figures.spectrum import PARTS, draw_spectrum, names_of, pooled
 from dnanalyze.report.figures.style import (
@@ -37,7 +38,7 @@ WARMTH = ["#2f7fd6", "#7d6bd8", "#c0519f", "#dd5a5a", "#e08a1e"]
 DASHES = "-", (0, (4, 1.6))  # measured, model
 
 
-def parts_of(measured: Any) -> list[str]:
+def parts_of(measured: Statistics) -> list[str]:
     """The parts whose spectra the frames can tell: DSNU and temporal noise, else a single frame."""
     some = [p for p in PARTS if main_run(measured, has(*names_of(p, True)))]
     return [p for p in some if p != "frame"] if "pattern" in some else some
@@ -54,18 +55,16 @@ def figure_1(drawn: Sequence[Layer], setting: SettingStatistics) -> Picture | No
         Of the measured.
     """
 
-    def spectrum(part: str) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_spectrum(ax, drawn, setting, part, whole=True)
-            ax.set_title(f"radial spectrum, {PARTS[part]}")
-
-        return Cell(draw, 3.35, 2.7)
-
-    def histogram(ax: Any) -> None:
-        draw_histogram(ax, drawn, setting).set_title("histogram, all pixels and frames")
-
+    drawings: dict[str, Callable[[Any], Any]] = {
+        "histogram, all pixels and frames": partial(draw_histogram, drawn=drawn, setting=setting)
+    } | {
+        f"radial spectrum, {PARTS[part]}": partial(
+            draw_spectrum, drawn=drawn, setting=setting, part=part, whole=True
+        )
+        for part in parts_of(drawn[0].statistics)
+    }
     return panels(
-        [Cell(histogram, 3.35, 2.7), *map(spectrum, parts_of(drawn[0].statistics))],
+        [Cell(draw, 3.35, 2.7, title=title) for title, draw in drawings.items()],
         f"At {point_label(setting.point)}. Bands: two standard errors. White noise of variance s² "
         "has a flat spectrum of power s².",
         f"Histogram and radial power spectra: {', '.join(k.label for k in drawn)}.",
@@ -117,19 +116,17 @@ def figure_2(drawn: Sequence[Layer], raw: Layer | None = None) -> Picture | None
     parts, shown = parts_of(measured), chosen(measured, MAX_POINTS, has(*names_of("frame", True)))
     shown = shown or chosen(measured, MAX_POINTS)
 
-    def cell(part: str, layers: Sequence[Layer], title: str, wide: float) -> Cell:
-        def draw(ax: Any) -> None:
-            draw_spectra_over(ax, layers, shown, part).set_title(title)
+    def cell(part: str, layers: Sequence[Layer], title: str) -> Cell:
+        draw = partial(draw_spectra_over, drawn=layers, settings=shown, part=part)
+        return Cell(draw, 5.05, 3.1, f"{part} {raw is not None}", title)
 
-        return Cell(draw, wide, 3.1, share=f"{part} {raw is not None}")
-
-    cells = [cell(p, drawn, PARTS[p], 5.05) for p in parts]
+    cells = [cell(p, drawn, PARTS[p]) for p in parts]
     note = ""
     if raw is not None:
         kinds = [p for p in ("frame", *parts) if chosen(measured, 1, has(*names_of(p, True)))][:1]
         cells = [c for p in kinds for c in (
-            cell(p, [raw], f"{PARTS[p]}, {raw.label}", 5.05),
-            cell(p, drawn, f"{PARTS[p]}, processed: as in the files", 5.05),
+            cell(p, [raw], f"{PARTS[p]}, {raw.label}"),
+            cell(p, drawn, f"{PARTS[p]}, processed: as in the files"),
         )]  # fmt: skip
         note = " Left: the model without its filters; right: the files and the model with them."
     return panels(

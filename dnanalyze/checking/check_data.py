@@ -15,14 +15,15 @@ from dnanalyze.fitting.vectors import prediction, target
 from dnanalyze.loaders.captures import CaptureSet, Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate
+from dnanalyze.model.simulate import simulated_by
+from dnanalyze.model.simulator import Simulator
 from dnanalyze.progress import Progress
 
 BUDGET_PIXELS = 24_000_000
 
 
 @dataclass(frozen=True)
-class CheckBench:
+class CheckData:
     """The simulation on one side, the measurement (where there is one) on the other.
 
     Parameters
@@ -57,14 +58,8 @@ class CheckBench:
 
     def drawn(self, model: NoiseModel) -> list[Statistics]:
         """Statistics of a model's frames in the three windows."""
-        made = simulate(
-            model.in_codes,
-            self.plan.shape,
-            self.plan.settings,
-            "simulation",
-            self.captures.sensor,
-            Memo(0),
-        )
+        simulator = Simulator(model.in_codes, self.plan.shape, Memo(0))
+        made = simulated_by(simulator, self.plan.settings, sensor=self.captures.sensor)
         return analyze_windows(made, self.windows, progress=self.progress)
 
     @cached_property

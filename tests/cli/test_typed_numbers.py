@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from dnanalyze_cli.main import main
-from dnanalyze_cli.numbers import celsius, numbers
+from dnanalyze_cli.typed_numbers import celsius, numbers
 
 from dnanalyze.errors import InputError
 
