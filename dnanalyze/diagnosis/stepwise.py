@@ -421,9 +421,10 @@ class Search:
         """Everything at its optimum, and what is then superfluous gone.
 
         The error of the last step, which the baseline effects share, is that of the new state; an
-        effect that raises it is taken out (`_undone`). ``checked``: whether a fit with which the error rises is
-        not taken. The loss of one simulated sensor has several minima along parameters of which the
-        fitted half shows little, such as those of a glow in a corner of the other half.
+        effect that raises it is taken out (`_undone`). ``checked``: whether a fit with which the
+        error rises is not taken. The loss of one simulated sensor has several minima along
+        parameters of which the fitted half shows little, such as those of a glow in a corner of the
+        other half.
         """
         if path.converged:
             return path
@@ -446,7 +447,7 @@ class Search:
         return self._reduced(path)
 
     def _undone(self, path: Path) -> Path:
-        """Without the last effect: fitted anew, or the model before it where that error is lower."""
+        """Without the last effect: refitted, or the model before it where that error is lower."""
         last, before = path.steps[-1], path.steps[-2]
         assert last.added is not None
         state = converge(self.problem, removal(self.problem, path.state, last.added))
