@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import logging
 import secrets
 import socket
 import webbrowser
@@ -108,6 +109,7 @@ def serve(
     token = "" if host in LOOPBACK else secrets.token_urlsafe(24)
     port = _free(host, port)
     pn.extension(notifications=False)
+    logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)  # news for a closed page
 
     def app() -> Any:
         arguments = {k: v[0].decode() for k, v in pn.state.session_args.items()}

@@ -70,12 +70,13 @@ class Sensor:
         }
         self.side = pn.Column(
             pn.Row(self.which, margin=0), self.histogram.view, self.pixel.view, margin=0,
-            sizing_mode="stretch_both", stylesheets=[ACROSS], css_classes=["side"],
+            sizing_mode="stretch_both", css_classes=["side"],
         )  # fmt: skip
         self.pixel.view.visible = False
         self.view = pn.Column(
-            styles=card(p) | {"overflow": "hidden"}, sizing_mode="stretch_both", margin=0
-        )
+            styles=card(p) | {"overflow": "hidden", "container-type": "size"},
+            sizing_mode="stretch_both", margin=0,
+        )  # fmt: skip
         self.view.extend([
             pn.Row(
                 pn.pane.HTML("<h2>Frames</h2>", stylesheets=style, margin=(3, 6, 0, 0)),
@@ -265,9 +266,10 @@ class Sensor:
         self.swipe.visible = self.mode.value == "swipe"
         for name in NAMES[1:]:
             self._panes[name].visible = not alone
-        styles = {"grid-column": "1 / span 3" if alone else "auto"}
-        if self._panes["measured"].styles != styles:
-            self._panes["measured"].styles = styles
+        for pane, places in ((self._panes["measured"], IMAGE), (self.side, SIDE)):
+            styles = {"grid-column": places[alone]}
+            if pane.styles != styles:
+                pane.styles = styles
         self._blink()
         shown, view = self.context.shown, self.view_of
         model = shown.model if shown is not None else None
@@ -432,9 +434,13 @@ class Sensor:
 
 GRID = """
 :host { display:grid !important; grid-template-columns:repeat(3, minmax(0, 1fr)) minmax(0, 1.15fr);
-  grid-template-rows:minmax(0, 1fr); gap:6px; min-height:0; }
-@media (max-width:1279px) { :host { grid-template-columns:repeat(3, minmax(0, 1fr));
-  grid-template-rows:minmax(0, 1fr) minmax(0, 0.85fr); }
-}
-"""
-ACROSS = "@media (max-width:1279px) { :host { grid-column:1 / -1; } }"
+  grid-template-rows:minmax(0, 1fr); gap:6px; min-height:0;
+  --alone:1 / span 3; --side:auto; --below:auto; }
+@container (max-width:1260px) { :host { grid-template-columns:repeat(3, minmax(0, 1fr));
+  grid-template-rows:minmax(0, 1fr) minmax(0, 0.85fr);
+  --alone:1 / -1; --side:1 / -1; --below:1 / -1; } }
+@container (min-height:700px) and (max-aspect-ratio:2) { :host {
+  grid-template-columns:repeat(2, minmax(0, 1fr)); grid-template-rows:repeat(2, minmax(0, 1fr));
+  --alone:1 / -1; --side:auto; --below:1 / -1; } }
+"""  # in a row; the histogram below the images where it is narrow; two by two where it is high
+IMAGE, SIDE = ("auto", "var(--alone)"), ("var(--side)", "var(--below)")  # beside others, alone
