@@ -88,7 +88,10 @@ class Workbench:
         self.page = browser.new_page(viewport={"width": 1440, "height": 900})
         self.page.set_default_timeout(1000 * PATIENCE_S)
         self.outside: list[str] = []
+        self.errors: list[str] = []
         self.page.on("request", self._requested)
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", self._said)
         self.page.goto(address)
         begun = self.page.locator("option").filter(has_text=re.compile("model(, fitted| as given)"))
         begun.first.wait_for(state="attached")
@@ -97,6 +100,10 @@ class Workbench:
     def _requested(self, request: Any) -> None:
         if not re.match(r"(http|ws)://127\.0\.0\.1[:/]|data:|blob:", request.url):
             self.outside.append(request.url)
+
+    def _said(self, message: Any) -> None:
+        if message.type == "error":
+            self.errors.append(message.text)
 
     @property
     def error(self) -> str:
@@ -327,12 +334,23 @@ SIDES = """() => {
 }"""  # width of a pixel over its height, on the screen
 
 
-def test_pixels_are_square_in_an_enlarged_pane_and_after_it(bench):
+@pytest.mark.parametrize("size", [(1440, 780), (1024, 768), (3840, 2160), (1440, 900)])
+def test_pixels_are_square_in_an_enlarged_pane_and_after_it(bench, size):
+    bench.page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
     button = bench.page.locator(".enlarge").nth(1)  # of the frames
     for large in (1, 0):
         button.click()
         bench.until(lambda n=large: bench.page.locator(".large").count() == n, "the other size")
         bench.until(lambda: abs(bench.page.evaluate(SIDES) - 1) < 0.05, "square pixels")
+        if large:  # all four parts of the pane within it
+            for part in (".measured", ".simulated", ".difference", ".side"):
+                x, y, width, height = _box(bench, part)
+                assert width > 300
+                assert height > 250
+                assert x >= 0
+                assert y >= 0
+                assert x + width <= size[0]
+                assert y + height <= size[1]
 
 
 def test_one_image_alone_is_as_wide_as_three_and_side_by_side_comes_back(bench):
@@ -341,6 +359,13 @@ def test_one_image_alone_is_as_wide_as_three_and_side_by_side_comes_back(bench):
     bench.until(lambda: _box(bench, ".measured")[2] > 2.5 * width, "a wide image")
     bench.click("side by side")
     bench.until(lambda: _box(bench, ".measured")[2] == width, "three images")
+
+
+def test_a_slider_ends_before_its_number(bench):
+    for row in bench.page.locator(".parameter").all():
+        slider = row.locator(".noUi-target").bounding_box()
+        number = row.locator("input[type=text]").bounding_box()
+        assert slider["x"] + slider["width"] <= number["x"]
 
 
 def test_a_question_mark_opens_the_sentence_of_the_glossary(bench):
@@ -473,9 +498,11 @@ def test_a_running_refinement_is_cancelled_and_the_page_goes_on(bench):
 
 
 def test_a_reload_and_another_tab_show_the_same_session(bench, browser, address):
+    """And widgets that Bokeh has not drawn yet are not changed, which it answers by errors."""
     error = bench.settled()
     bench.page.reload()
     assert bench.settled() == error
+    assert bench.errors == []
     other = Workbench(browser, address)
     assert other.settled() == error
     other.page.locator(".step").first.click()
@@ -573,6 +600,7 @@ def test_the_dark_theme_keeps_the_session(bench):
     bench.page.get_by_text("dark theme").click()
     bench.page.get_by_text("light theme").wait_for()
     assert bench.settled() == error
+    assert bench.errors == []
 
 
 @pytest.mark.skipif(sys.platform == "darwin", reason="127.0.0.2 is no address of its loopback")
