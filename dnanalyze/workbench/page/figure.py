@@ -21,6 +21,8 @@ from dnanalyze.workbench.page.points import labelled, unbroken, without_shared
 from dnanalyze.workbench.page.style import inner
 from dnanalyze.workbench.page.terms import explained
 
+TITLE = 35  # screen pixels of two lines: a figure that moves leaves its old image behind
+
 
 class CurveFigure:
     """The pane."""
@@ -29,7 +31,7 @@ class CurveFigure:
         self.context = context
         style = [inner(context.palette)]
         self.title = pn.pane.HTML(
-            "", css_classes=["statistic"], stylesheets=style, margin=0,
+            "", css_classes=["statistic"], stylesheets=style, margin=0, min_height=TITLE,
             sizing_mode="stretch_width",
         )  # fmt: skip
         self.what = pn.widgets.RadioButtonGroup(
@@ -44,7 +46,10 @@ class CurveFigure:
                 *downloads("statistic", self._table, self._drawn, style, "the curves shown"),
                 margin=(4, 0, 0, 0), sizing_mode="stretch_width",
             ),
-            pn.pane.Bokeh(self.plot.figure, sizing_mode="stretch_both", margin=0, min_height=150),
+            pn.pane.Bokeh(
+                self.plot.figure, sizing_mode="stretch_both", margin=0, min_height=150,
+                css_classes=["curve"],
+            ),
             pn.pane.Bokeh(self.plot.residuals, sizing_mode="stretch_width", margin=0),
             sizing_mode="stretch_both",
             margin=0,

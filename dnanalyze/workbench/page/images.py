@@ -192,9 +192,11 @@ class Images:
         self._asked()
 
     @property
-    def most(self) -> int:
-        """Screen pixels of the longer side of a figure; 0 where the browser has not told it."""
-        return max(self._inner.values())
+    def dense(self) -> float:
+        """Screen pixels along a pixel of the sensor; 0 where the browser has not told it."""
+        across = self._inner["inner_width"] / abs(self.range_x.end - self.range_x.start)
+        down = self._inner["inner_height"] / abs(self.range_y.end - self.range_y.start)
+        return max(across, down)
 
     def show(self, picture: Picture, grid: Grid, only: tuple[str, ...] = NAMES) -> None:
         """Draw a picture, or some of its images."""

@@ -34,8 +34,8 @@ from dnanalyze.workbench.worst import worst_view
 
 REDRAWN_AT_REST = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
 LIVE_S = 1.0  # least time between frames while a slider moves: curve and error come first
-FEWEST = 420  # rows and columns that are sent of an image; means would hide every second column
-LARGE_HEIGHT = 900  # the same in a large figure
+FEWEST = 420  # rows or columns that are sent of an image of unknown size on the screen
+LARGE_HEIGHT = 900  # the same at most
 SIDES = "histogram", "pixel"
 MODES = "side by side", "swipe", "blink"
 
@@ -276,7 +276,8 @@ class Sensor:
         preview = shown is not None and shown.preview
         grid = self._grid(view.plane)
         window = self._window(grid.scale)
-        most = min(LARGE_HEIGHT, max(FEWEST, self.images.most))
+        cells = max(window.shape) * grid.scale * self.images.dense  # a pixel fewer would be skipped
+        most = min(LARGE_HEIGHT, round(cells) or FEWEST)
         far = self.hot.value
         self._asked_s = time.monotonic()
         fresh = self._drawn is None or self._drawn[0] != view
