@@ -231,12 +231,15 @@ def test_one_figure_follows_every_pair_of_families_however_quickly(bench):
             and found["tickers"][0] == ticker and (found["x_range"][0] > 0 or not kinds[0])
         )  # fmt: skip
 
-    top = _box(bench, ".curve")[1]
+    def below() -> float:
+        return _box(bench, ".curve")[1] - _box(bench, ".statistic")[1]
+
+    gap = below()
     for step, name in enumerate(_all_pairs(list(AXES))):
         click(name)
         if step % 5 == 4:
             bench.until(lambda n=name: right(n), f"the axes of {name}")
-            assert _box(bench, ".curve")[1] == top  # below titles of one line and of two
+            assert below() == gap  # of titles of one line and of two
     click("Distribution")
     bench.until(lambda: right("Distribution"), "the histogram")
 

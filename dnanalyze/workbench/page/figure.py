@@ -46,10 +46,7 @@ class CurveFigure:
                 *downloads("statistic", self._table, self._drawn, style, "the curves shown"),
                 margin=(4, 0, 0, 0), sizing_mode="stretch_width",
             ),
-            pn.pane.Bokeh(
-                self.plot.figure, sizing_mode="stretch_both", margin=0, min_height=150,
-                css_classes=["curve"],
-            ),
+            pn.pane.Bokeh(self.plot.figure, sizing_mode="stretch_both", margin=0, min_height=150),
             pn.pane.Bokeh(self.plot.residuals, sizing_mode="stretch_width", margin=0),
             sizing_mode="stretch_both",
             margin=0,

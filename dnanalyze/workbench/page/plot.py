@@ -55,7 +55,7 @@ class CurvePlot:
         self.figure = made = plain_figure(
             p, sizing_mode="stretch_both", tools="pan,wheel_zoom,box_zoom,reset",
             x_axis_label=" ", y_axis_label=" ", x_range=Range1d(0, 1), y_range=Range1d(0, 1),
-            name=name,
+            name=name, css_classes=[name],
         )  # fmt: skip
         self._axes = (_Axis(made, "x"), _Axis(made, "y"))
         looks = {
