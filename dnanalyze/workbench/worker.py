@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import time
 from collections.abc import Callable
@@ -23,7 +22,6 @@ from dnanalyze.model.noise_model import NoiseModel, model_from_plain
 from dnanalyze.workbench.source import CaptureSource
 
 Tell = Callable[[str, Any], None]
-NICE = 5  # below the server: the page answers while a task has every processor
 DRAFT_S = 1.5  # between two drafts of a fit: each costs the page a preview
 REPLICATES = 8  # simulated sensors for standard errors: 27 % of an error, 1 / sqrt(2 * 7)
 
@@ -297,8 +295,6 @@ def serve(pipe: Connection, source: CaptureSource) -> None:
     None in place of a task ends the work in the background.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server decides
-    if hasattr(os, "nice"):
-        os.nice(NICE)
     bed = Bed(source, pipe.poll)
     with suppress(Exception):  # met again, and told, by the first task
         bed.warm()

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from threading import Event, Thread
-
-import pytest
 
 from dnanalyze.workbench.jobs import Worker
 from dnanalyze.workbench.source import CaptureSource
@@ -32,16 +29,3 @@ def test_a_task_that_waits_for_work_in_the_background_can_be_cancelled(monkeypat
     assert jobs[0].over.is_set()
     assert worker.job is None
     assert told == []
-
-
-@pytest.mark.skipif(not hasattr(os, "getpriority"), reason="no priorities of processes")
-def test_a_task_leaves_the_processor_to_the_page(folder):
-    worker = Worker(CaptureSource(folder))
-    failed: list[object] = []
-    worker.start(Task("detect"), lambda _: None, failed.append).over.wait(120)
-    try:
-        assert failed == []
-        here = os.getpriority(os.PRIO_PROCESS, 0)
-        assert os.getpriority(os.PRIO_PROCESS, worker._process.pid) > here
-    finally:
-        worker.close()

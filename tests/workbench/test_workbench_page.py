@@ -527,6 +527,20 @@ def test_model_report_and_targets_are_downloaded(bench, tmp_path):
         assert len(text) > 100
 
 
+def test_the_report_is_two_pages_and_as_wide_as_a_telephone(bench, browser, tmp_path):
+    with bench.page.expect_download() as caught:
+        bench.page.get_by_text("Report", exact=True).last.click()
+    caught.value.save_as(tmp_path / "report.html")
+    page = browser.new_page(viewport={"width": 1440, "height": 900})
+    page.goto((tmp_path / "report.html").as_uri())
+    verdict = page.locator("#verdict").bounding_box()
+    assert verdict["y"] + verdict["height"] <= 600
+    assert page.locator("details.fold").first.bounding_box()["y"] <= 3000
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    page.close()
+
+
 HEADS = (
     b"row,column,rows,columns,measured_mean_dn",
     b"name,family",

@@ -92,7 +92,7 @@ class CurvePlot:
         for annotation in (*self._spans, self._box):
             made.add_layout(annotation)
         made.text("x", "y", "text", source=self._marks, text_color=p.quiet, angle=np.pi / 2,
-                  text_font_size="10px", text_align="right", x_offset=-2)  # fmt: skip
+                  text_font_size="10px", text_align="right", x_offset=-2, y_offset=4)  # fmt: skip
         self._hover = hover(p, list(self._lines.values()), ("", "$name"), mode="mouse")
         made.add_tools(self._hover)
         _legend(made, p)
