@@ -400,7 +400,6 @@ def test_a_click_on_a_pixel_shows_its_values_and_the_tooltip_names_the_same(benc
 
 def test_the_scale_of_the_frames_is_typed(bench):
     low = bench.page.locator(".low input")
-    before = low.input_value()
     low.fill("5000")
     low.press("Enter")
     bench.page.get_by_text("min below max").wait_for()
@@ -410,7 +409,7 @@ def test_the_scale_of_the_frames_is_typed(bench):
         .filter((m) => m.name === "figure of measured")[0].right[0].color_mapper.low"""
     bench.until(lambda: bench.page.evaluate(scale) == 10.5, "the typed end")
     bench.click("auto scale")
-    bench.until(lambda: low.input_value() == before, "the end before")
+    bench.until(lambda: float(low.input_value()) > 20.0, "an end from the image, near 60 DN")
 
 
 def test_a_value_beyond_its_limits_is_not_applied_and_the_limits_are_shown(bench):
