@@ -271,18 +271,25 @@ def test_the_residuals_of_a_curve_are_drawn_below_it(bench):
     )
 
 
+def _open(bench: Workbench, family: str) -> None:
+    """Click on a family, and wait for its cells: a click on those before means another one."""
+    name = re.compile(f"^{family}")
+    bench.page.locator(".family").filter(has_text=name).click()
+    bench.page.locator(".family.chosen").filter(has_text=name).wait_for()
+
+
 def test_a_click_on_a_cell_marks_where_its_statistic_comes_from(bench):
     """And one of a statistic that has no place takes the marks away."""
-    bench.page.locator(".family").filter(has_text=re.compile("^Rows and columns")).click()
+    _open(bench, "Rows and columns")
     row = bench.page.locator("tr").filter(has_text=re.compile(r"^(?!.*(temporal|in time)).*column"))
     row.first.locator(".cell").last.click()
     marks = bench.page.locator(".marks .quiet").filter(has_text="marked: ")
     marks.filter(has_text="column").wait_for()
-    bench.page.locator(".family").filter(has_text=re.compile("^Hot-pixel tail")).click()
+    _open(bench, "Hot-pixel tail")
     row = bench.page.locator("tr").filter(has_text="pixels above 5 robust sigma")
     row.locator(".cell").first.click()
     bench.until(lambda: min(_lengths(bench, "marked pixels")) > 0, "marked pixels")
-    bench.page.locator(".family").filter(has_text=re.compile("^Shading")).click()
+    _open(bench, "Shading")
     bench.page.locator(".cell").last.click()
     bench.until(lambda: max(_lengths(bench, "marked pixels")) == 0, "no marks")
     bench.until(lambda: marks.count() == 0, "no words of marks")
@@ -408,7 +415,9 @@ def test_the_scale_of_the_frames_is_typed(bench):
     scale = """() => Bokeh.documents.flatMap((d) => [...d.all_models])
         .filter((m) => m.name === "figure of measured")[0].right[0].color_mapper.low"""
     bench.until(lambda: bench.page.evaluate(scale) == 10.5, "the typed end")
-    bench.click("auto scale")
+    auto = bench.page.get_by_role("button", name="auto scale")
+    bench.until(lambda: "bk-active" not in auto.get_attribute("class"), "no automatic scale")
+    auto.click()
     bench.until(lambda: float(low.input_value()) > 20.0, "an end from the image, near 60 DN")
 
 
