@@ -1,13 +1,15 @@
 """Latency and memory of the workbench, measured in a headless Chromium.
 
-    python benchmarks/workbench.py [FOLDER] [--moves 50] [--long 500] [--screenshot DIR]
+    python benchmarks/workbench.py [FOLDER ...] [--moves 50] [--long 500] [--screenshot DIR]
     python benchmarks/workbench.py --opening FOLDER ...
 
-Without a folder a virtual sensor of 5 temperatures x 8 frames x 512 x 512 is made. A move is a key
-pressed on a slider; it ends when the browser has drawn the new curve. With --opening: the times
-from the address to paint, frames, first error and fitted error, with an empty cache of statistics
-and with a filled one; in brackets the processor time of server and worker. Needs the extra
-`workbench`, Playwright and Debian's chromium.
+A folder is one of captures, or a word: `demo` is the sensor of `--demo`, `large` one of 24 million
+pixels at 3 temperatures x 5 frames, `middle` (the default) one of 5 temperatures x 8 frames x 512 x
+512. A move is a key pressed on a slider; it ends when the browser has drawn the new curve; the
+first series begins with the first move after the page is opened. With --opening: the times from the
+address to paint, frames, first error and fitted error, with an empty cache of statistics and with a
+filled one; in brackets the processor time of server and worker. Needs the extra `workbench`,
+Playwright and Debian's chromium.
 """
 
 from __future__ import annotations
@@ -70,6 +72,22 @@ def virtual_sensor(folder: Path) -> Path:
     return write_folder(made, folder)
 
 
+def large_sensor(folder: Path) -> Path:
+    """3 temperatures x 5 frames x 4000 x 6000 of the sample model with column FPN."""
+    model = folder.with_suffix(".yaml")
+    sample = Path(__file__).parents[1] / "sample_configs" / "model.yaml"
+    text = sample.read_text(encoding="utf-8")
+    model.write_text(text + "- column_fpn: {sigma: 0.25}\n", encoding="utf-8")
+    command = ["simulate", str(folder), "--model", str(model), "--shape", "4000x6000"]
+    command += ["--temperatures", "25,45,65", "--exposure", "0.05", "--gain", "1"]
+    command += ["--frames", "5", "--quiet"]
+    subprocess.run([sys.executable, "-c", RUN, *command], check=True, stdout=subprocess.DEVNULL)
+    return folder
+
+
+VIRTUAL = {"middle": virtual_sensor, "large": large_sensor}
+
+
 def memory_mib(pid: int) -> float:
     """Resident memory of a process."""
     text = Path(f"/proc/{pid}/status").read_text()
@@ -109,8 +127,9 @@ def settled(page: Any, limit_s: float = 300.0) -> None:
 @contextmanager
 def served(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """The server's process and the address of its page, while it runs."""
+    where = "--demo" if folder == Path("demo") else str(folder)
     process = subprocess.Popen(
-        [sys.executable, "-c", RUN, "workbench", str(folder), "--no-browser"],
+        [sys.executable, "-c", RUN, "workbench", where, "--no-browser"],
         stdout=subprocess.PIPE, text=True, env=os.environ | {"PYTHONUNBUFFERED": "1"},
     )  # fmt: skip
     assert process.stdout is not None
@@ -140,8 +159,6 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
         print(f"first paint, warm cache: {time.perf_counter() - begun:.2f} s (limit 3)")
         settled(page)
         handle = page.locator(".parameter").nth(1).locator("[role=slider]")
-        handle.evaluate(MOVES, [3, 400])
-        settled(page)
         for _ in range(SERIES):
             took = handle.evaluate(MOVES, [moves, 60])
             p50, p95 = np.percentile(took, [50, 95])
@@ -173,6 +190,15 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
         print(
             f"server's memory: {before:.0f} MiB, {after:.0f} MiB after {long} moves more "
             "(limit 1536)"
+        )
+        alone = memory_mib(process.pid)
+        tabs = [context.new_page() for _ in range(2)]
+        for tab in tabs:
+            tab.goto(address)
+            settled(tab)
+        print(
+            f"server's memory: {alone:.0f} MiB with one page, {memory_mib(process.pid):.0f} MiB "
+            "with three (limit 1.2 times)"
         )
         browser.close()
 
@@ -227,19 +253,21 @@ def patched(**variables: str) -> Iterator[None]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", nargs="?", type=Path)
+    parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER")
     parser.add_argument("--moves", type=int, default=50)
     parser.add_argument("--long", type=int, default=500)
     parser.add_argument("--screenshot", type=Path, metavar="DIR")
-    parser.add_argument("--opening", nargs="+", type=Path, metavar="FOLDER")
+    parser.add_argument("--opening", action="store_true", help="times of opening alone")
     options = parser.parse_args()
-    for folder in options.opening or ():
-        opened(folder)
-    if options.opening:
-        return
     with tempfile.TemporaryDirectory() as temporary:
-        folder = options.folder or virtual_sensor(Path(temporary) / "sensor")
-        measured(folder, options.moves, options.long, options.screenshot)
+        for named in options.folders or [Path("middle")]:
+            make = VIRTUAL.get(str(named))
+            folder = named if make is None else make(Path(temporary) / named)
+            if options.opening:
+                opened(folder)
+            else:
+                print(f"{folder.name}:")
+                measured(folder, options.moves, options.long, options.screenshot)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
-"""Cancelled tasks and a killed worker, on the workbench's page.
+"""Begun and cancelled tasks and a killed worker, on the workbench's page.
 
     python benchmarks/workbench_mishaps.py [FOLDER] [--cancels 10]
 
 Without a folder a virtual sensor of 5 temperatures x 8 frames x 512 x 512 is made. Prints the time
 from the click on Cancel until the page says that the task is over, at moments spread over the first
-seconds of a refinement; and the time from the worker's death to the message, with the error before
-and after a fit in a new worker. Needs the extra `workbench`, Playwright and Debian's chromium.
+seconds of a refinement; the time from the click on Add until its bar and Cancel show; and the time
+from the worker's death to the message, with the error before and after a fit in a new worker. Needs
+the extra `workbench`, Playwright and Debian's chromium.
 """
 
 from __future__ import annotations
@@ -53,6 +54,19 @@ def cancelled(page: Any, after_s: float) -> float:
     return time.perf_counter() - begun
 
 
+def added(page: Any) -> float:
+    """Seconds from the click on the first candidate's Add until the task shows."""
+    page.get_by_role("button", name="Diagnose").click()
+    under_way(page)
+    page.locator(".row").first.wait_for()
+    page.locator("button:enabled", has_text="Diagnose").wait_for()
+    begun = time.perf_counter()
+    page.locator(".row").first.get_by_role("button", name="Add").click()
+    page.get_by_text("Adding:").wait_for()
+    under_way(page)
+    return time.perf_counter() - begun
+
+
 def killed(page: Any, server: int) -> float:
     """Seconds from the death of the worker to the message."""
     page.get_by_role("button", name="Refine").click()
@@ -82,6 +96,9 @@ def measured(folder: Path, cancels: int) -> None:
             f"p50 {np.median(took):.2f} s, most {max(took):.2f} s (limit 1)"
         )
         settled(page)
+        print(f"click on Add to its bar and Cancel: {added(page):.2f} s (limit 3)")
+        settled(page)
+        error = page.locator(".error").inner_text()
         print(f"killed worker: message after {killed(page, process.pid):.2f} s", end="; ")
         page.get_by_role("button", name="Fit").click()
         settled(page)

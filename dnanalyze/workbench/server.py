@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import html
+import logging
 import secrets
 import socket
+import warnings
 import webbrowser
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -108,6 +110,9 @@ def serve(
     token = "" if host in LOOPBACK else secrets.token_urlsafe(24)
     port = _free(host, port)
     pn.extension(notifications=False)
+    # News for a page that is closed, and a browser's first words of a button: nothing for the user
+    logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
+    warnings.filterwarnings("ignore", "reference already known")
 
     def app() -> Any:
         arguments = {k: v[0].decode() for k, v in pn.state.session_args.items()}

@@ -200,6 +200,10 @@ class WorkbenchSession:
 
     def _put(self, model: NoiseModel, action: str) -> None:
         """A new node whose error is not known yet; the last one, where a slider moves on."""
+        self._place(model, action)
+        self.changed("history")
+
+    def _place(self, model: NoiseModel, action: str) -> None:
         with self._lock:
             history = self._history()
             before = history.present.action
@@ -208,7 +212,6 @@ class WorkbenchSession:
                 self.history = history.revised(model, MOVED + ", ".join(names))
             else:
                 self.history = history.grown(action, model)
-        self.changed("history")
 
     def remove(self, effect: str) -> None:
         """The model without an effect; `restore` puts it back with the same numbers.
@@ -401,7 +404,7 @@ class WorkbenchSession:
         between = completed is not None and effect not in completed.names
         if completed is not None and between:
             new = [name for name in completed.names if base.model.get(name) is None]
-            self._put(completed, f"add baseline effects {', '.join(new)}")
+            self._place(completed, f"add baseline effects {', '.join(new)}")
             base = self.present
 
         def step(found: dict[str, Any]) -> None:
@@ -416,7 +419,8 @@ class WorkbenchSession:
             self.changed("answer")
 
         job = self._run(Task("add", base.model.to_plain(), effect=effect), done, step)
-        if between:  # once the task is under way: its error is not the last one
+        if between:  # once the task is under way: it shows at once, its error is not the last one
+            self.changed("history")
             self._measure()
         return job
 

@@ -50,7 +50,7 @@ def verdict(session: WorkbenchSession) -> Verdict:
     node = history.present
     found = session.diagnosis
     if found is not None and found["node"] == node.number:
-        return _diagnosed(found)
+        return _diagnosed(found | {"error": node.error})  # a search states that of its own start
     if (answer := session.answers.get(node.number)) is not None:
         return _answered(answer)
     worst = failures(evaluation.rows, most=1)

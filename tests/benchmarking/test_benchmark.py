@@ -340,6 +340,9 @@ def test_the_channels_of_one_sensor_stand_side_by_side(no_filters):
     result = benchmark([captures_of("hdr", model, channels)], quick=True)
     assert [s.name for s in result.sensors] == ["hdr hcg", "hdr lcg"]
     assert {s.point.channel for s in result.sensors[1].captures.settings} == {"lcg"}
+    shown = results.page(result)  # two pages; a row for every temperature is folded away
+    assert all(len(t.rows) <= 12 for s in shown.front for t in s.tables if not t.folded)
+    assert [s.key for s in shown.sections][:2] == ["temperatures", "figures"]
 
 
 def test_bad_input_is_one_line(capsys, tmp_path):

@@ -14,7 +14,7 @@ from dnanalyze.model.noise_model import NoiseModel
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small virtual sensor with column FPN, as a folder of frames."""
     sensor = draw_sensor(np.random.default_rng(3))
-    made = generate(sensor, {"column_fpn": "strong"}, (96, 96), frames=3, seed=3)
+    made = generate(sensor, {"column_fpn": "strong"}, (96, 144), frames=3, seed=3)
     return write_folder(made, tmp_path_factory.mktemp("workbench") / "sensor")
 
 

@@ -26,7 +26,7 @@ def _candidate(effect, confidence, after, evidence=(), rivals=()):
 
 def _diagnosis(verdict, candidates=(), finished=True, ordinary=(), **more):
     return {
-        "node": 0, "error": 4.0, "verdict": verdict, "finished": finished,
+        "node": 0, "error": 11.5, "verdict": verdict, "finished": finished,
         "ordinary": list(ordinary), "candidates": list(candidates), "unexplained": [], **more,
     }  # fmt: skip
 

@@ -24,7 +24,7 @@ def test_the_difference_is_that_of_the_means_shown_and_a_model_may_lack(folder, 
 def test_images_are_forgotten_beyond_the_memory(folder):
     import dnanalyze
 
-    pictures = Pictures(dnanalyze.load(str(folder)), memory=3 * 4 * 96 * 96)
+    pictures = Pictures(dnanalyze.load(str(folder)), memory=3 * 4 * 96 * 144)
     for number in range(6):
         pictures.whole(View(setting=number % 3, frame=number // 3), None)
     assert len(pictures._held) == 3

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import pandas as pd
 
@@ -109,21 +110,25 @@ def _cell(figure: BenchmarkValue, wide: bool) -> str:
 
 def page(result: BenchmarkResult) -> Page:
     """The report."""
+    over = parts.temperatures(result)
     return Page(
         "Benchmark of sensors",
         listing(s.name for s in result.sensors),
         headline(result),
         [
-            parts.glance(result),
-            parts.temperatures(result),
+            replace(over, text=(), pictures=()),
             parts.one_each(result),
-            parts.models(result),
-            Section("spectra", "Spectra", pictures=[figures.spectra(result)]),
             parts.rankings(result),
             parts.captures(result),
         ],
         tone="fair" if any(s.filtered for s in result.sensors) else "good",
         points=[sentence(n) for n in result.notes],
+        front=[
+            parts.glance(result),
+            replace(over, key="curves", title="Over temperature", tables=()),
+            parts.models(result),
+            Section("spectra", "Spectra", pictures=[figures.spectra(result)]),
+        ],
     )
 
 

@@ -78,11 +78,12 @@ def page(
         context.back(lambda: tell(what))
 
     def begin() -> None:
-        context.shown = session.evaluation
-        for name, kind in later.items():  # half of the time that a page takes: painted first
-            areas[name].objects = [kind(context).view]
-        session.listeners.append(listener)
-        _all(context)
+        with context.combined(exchanging=True):
+            panes = {name: kind(context).view for name, kind in later.items()}
+            session.listeners.append(listener)
+            _all(context)
+            for name, pane in panes.items():  # with what they show: a browser fails at changes of
+                areas[name].objects = [pane]  # a widget that it has not drawn yet
         begun()
 
     pn.state.onload(begin)  # a change of panes is lost before the browser has the document

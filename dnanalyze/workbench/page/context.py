@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from threading import Thread
 from typing import Any
@@ -16,6 +16,8 @@ from dnanalyze.workbench.history import Node
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.style import Palette
 from dnanalyze.workbench.session import WorkbenchSession
+
+LIVE = ("preview", "compared")  # news while a slider moves: no model of the page is exchanged
 
 
 @dataclass
@@ -57,18 +59,25 @@ class Context:
 
     def tell(self, what: str) -> None:
         """Tell every pane what has changed, in one message; in the document's thread."""
-        with self.combined():
+        with self.combined(exchanging=what not in LIVE):
             for listener in self.listeners:
                 listener(what)
 
     @contextmanager
-    def combined(self) -> Iterator[None]:
-        """Send what changes within as one message: a browser never draws the half of it."""
+    def combined(self, exchanging: bool = False) -> Iterator[None]:
+        """Send what changes within as one message: a browser never draws the half of it.
+
+        Where models of the page are exchanged, Bokeh searches the page for them once, at the end;
+        else at every exchange, which takes seconds on a busy machine.
+        """
         within = self.document.callbacks.hold_value is not None
         self.document.hold("combine")
+        search = self.document.models.freeze() if exchanging else nullcontext()
+        search.__enter__()
         try:
             yield
         finally:
+            search.__exit__(None, None, None)  # after an error too: Bokeh's own does not
             if not within:
                 self.document.unhold()
 

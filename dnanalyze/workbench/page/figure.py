@@ -21,6 +21,8 @@ from dnanalyze.workbench.page.points import labelled, unbroken, without_shared
 from dnanalyze.workbench.page.style import inner
 from dnanalyze.workbench.page.terms import explained
 
+TITLE = 35  # screen pixels of two lines: a figure that moves leaves its old image behind
+
 
 class CurveFigure:
     """The pane."""
@@ -29,7 +31,7 @@ class CurveFigure:
         self.context = context
         style = [inner(context.palette)]
         self.title = pn.pane.HTML(
-            "", css_classes=["statistic"], stylesheets=style, margin=0,
+            "", css_classes=["statistic"], stylesheets=style, margin=0, min_height=TITLE,
             sizing_mode="stretch_width",
         )  # fmt: skip
         self.what = pn.widgets.RadioButtonGroup(

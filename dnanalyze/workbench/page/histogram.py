@@ -29,15 +29,14 @@ class Histogram:
             "", stylesheets=[inner(context.palette)], margin=(2, 0, 0, 0),
             sizing_mode="stretch_width",
         )  # fmt: skip
-        self.drawn = pn.pane.Bokeh(
-            self.plot.figure, sizing_mode="stretch_both", margin=0, visible=False
-        )
-        self.below = pn.pane.Bokeh(
-            self.plot.residuals, sizing_mode="stretch_width", margin=0, visible=False
-        )
+        self.drawn = pn.Column(
+            pn.pane.Bokeh(self.plot.figure, sizing_mode="stretch_both", margin=0),
+            pn.pane.Bokeh(self.plot.residuals, sizing_mode="stretch_width", margin=0),
+            sizing_mode="stretch_both", margin=0, styles={"min-height": "0"}, visible=False,
+        )  # fmt: skip
         self.view = pn.Column(
-            self.title, self.drawn, self.below,
-            sizing_mode="stretch_both", margin=0, styles={"min-height": "0"},
+            self.title, self.drawn, sizing_mode="stretch_both", margin=0,
+            styles={"min-height": "0"},
         )  # fmt: skip
         context.listeners.append(self.update)
 
@@ -74,4 +73,4 @@ class Histogram:
         axes = curves.axes(address, measured)
         assert axes is not None
         self.plot.show(axes, [], drawn, address)
-        self.drawn.visible = self.below.visible = True
+        self.drawn.visible = True

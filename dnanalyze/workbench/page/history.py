@@ -198,8 +198,9 @@ class HistoryPane:
                 f"{html.escape(effects_apart(node.model, here.model))}"
             )
         self.comparison.object = text
-        self.context.compared = node
-        self.context.later("compared")
+        if node != self.context.compared:
+            self.context.compared = node
+            self.context.later("compared")
 
     def _recipe(self) -> None:
         session = self.context.session

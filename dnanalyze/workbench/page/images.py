@@ -12,6 +12,7 @@ from bokeh.models import (
     BasicTicker,
     ColorBar,
     ColumnDataSource,
+    CustomJS,
     CustomJSHover,
     LinearColorMapper,
     Range1d,
@@ -27,7 +28,7 @@ from dnanalyze.workbench.places import Places
 TICK = 0.05  # share of the picture that the mark of a line is long
 NAMES = "measured", "simulated", "difference"
 MAPS = {"grey": gray(256), "cividis": cividis(256)}
-ELONGATED = 4.0  # ratio of a sensor's sides to a figure's, from which its pixels are not square
+ELONGATED = 4.0  # ratio of a sensor's sides from which its pixels are not square
 VALUE = """
 const source = sources[format];
 const flat = special_vars.image_index?.flat_index;
@@ -36,6 +37,23 @@ if (flat === undefined || image === undefined) return "–";
 const found = image[flat];
 return Number.isFinite(found) ? found.toPrecision(5) + " DN" : "–";
 """
+SQUARE = """
+const {inner_width: width, inner_height: height} = figure;
+if (!(width > 0 && height > 0)) return;
+const ratio = elongated ? 1 : width / height / (columns / rows);
+const more_x = Math.max(0, columns * (ratio - 1)) / 2;
+const more_y = Math.max(0, rows * (1 / ratio - 1)) / 2;
+for (const [range, start, end] of [
+  [figure.x_range, -more_x, columns + more_x], [figure.y_range, rows + more_y, -more_y],
+]) {
+  const whole = range.reset_start === null
+    || (range.start === range.reset_start && range.end === range.reset_end);
+  range.bounds = null;  // the new ends would be cut at the bounds before
+  if (whole) range.setv({start, end});
+  range.setv({reset_start: start, reset_end: end});
+  range.bounds = [Math.min(start, end), Math.max(start, end)];
+}
+"""  # the whole sensor with square pixels, until the user has chosen a part of it
 PLACE = "return String(Math.floor(value / scale) * scale + offset)"
 
 
@@ -104,8 +122,17 @@ class Images:
         self._down = CustomJSHover(args={"scale": 1, "offset": 0}, code=PLACE)
         self._inner = {"inner_width": 0, "inner_height": 0}  # screen pixels; 0: not told yet
         self.figures = {name: self._figure(name) for name in NAMES}
+        first = self.figures["measured"]
+        square = CustomJS(
+            args={
+                "figure": first, "rows": rows, "columns": columns,
+                "elongated": max(rows, columns) > ELONGATED * min(rows, columns),
+            },
+            code=SQUARE,
+        )  # fmt: skip
         for name in ("inner_width", "inner_height"):
-            self.figures["measured"].on_change(name, self._resized)
+            first.js_on_change(name, square)
+            first.on_change(name, self._resized)
         for name in ("start", "end"):
             for one in (self.range_x, self.range_y):
                 one.on_change(name, lambda attr, old, new: moved())
@@ -161,24 +188,15 @@ class Images:
             self._told(row, column)
 
     def _resized(self, attr: str, old: Any, new: Any) -> None:
-        """Square pixels in the space that a figure has, while the whole sensor is shown."""
         self._inner[attr] = int(new or 0)
-        if not all(self._inner.values()):
-            return
-        ends = whole_ranges(self.shape, *self._inner.values())
-        for r, (low, high) in zip((self.range_x, self.range_y), ends, strict=True):
-            whole = (r.reset_start, r.reset_end)
-            r.bounds = None  # the browser would cut the new ends at the bounds before
-            if whole == (None, None) or (r.start, r.end) == whole:
-                r.start, r.end = low, high
-            r.reset_start, r.reset_end = low, high
-            r.bounds = (min(low, high), max(low, high))
         self._asked()
 
     @property
-    def most(self) -> int:
-        """Screen pixels of the longer side of a figure; 0 where the browser has not told it."""
-        return max(self._inner.values())
+    def dense(self) -> float:
+        """Screen pixels along a pixel of the sensor; 0 where the browser has not told it."""
+        across = self._inner["inner_width"] / abs(self.range_x.end - self.range_x.start)
+        down = self._inner["inner_height"] / abs(self.range_y.end - self.range_y.start)
+        return max(across, down)
 
     def show(self, picture: Picture, grid: Grid, only: tuple[str, ...] = NAMES) -> None:
         """Draw a picture, or some of its images."""
@@ -245,30 +263,6 @@ class Images:
 
 def _title(name: str) -> str:
     return "measured − simulated" if name == "difference" else name
-
-
-def whole_ranges(
-    shape: tuple[int, int], width: float, height: float
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Ranges that show a sensor whole in a figure, with square pixels, columns and rows.
-
-    A sensor of a shape far from the figure's fills it; its pixels are then not square.
-
-    Examples
-    --------
-    >>> from dnanalyze.workbench.page.images import whole_ranges
-    >>> whole_ranges((100, 100), 200, 100)
-    ((-50.0, 150.0), (100.0, 0.0))
-    >>> whole_ranges((66, 2328), 300, 300)
-    ((0.0, 2328.0), (66.0, 0.0))
-    """
-    rows, columns = float(shape[0]), float(shape[1])
-    ratio = (width / height) / (columns / rows)
-    if not 1 / ELONGATED < ratio < ELONGATED:
-        return (0.0, columns), (rows, 0.0)
-    more_x = max(0.0, columns * (ratio - 1.0)) / 2.0
-    more_y = max(0.0, rows * (1.0 / ratio - 1.0)) / 2.0
-    return (0.0 - more_x, columns + more_x), (rows + more_y, 0.0 - more_y)
 
 
 def _add(lines: dict[str, Any], x0: float, y0: float, x1: float, y1: float) -> None:

@@ -83,9 +83,9 @@ class Model:
         self.context.draft = None
         present = set(model.names)
         self.loading.visible = False
-        self.add_name.options = {
-            plain_name(n): n for n in sorted(session.known) if n not in present
-        }
+        names = [n for n in sorted(session.known) if n not in present]
+        chosen = self.add_name.value if self.add_name.value in names else next(iter(names), None)
+        self.add_name.param.update(options={plain_name(n): n for n in names}, value=chosen)
         sliders = session.sliders()
         shape = [s.parameter.name for s in sliders], tuple(model.names), tuple(session.removed)
         if shape == self._drawn:

@@ -55,7 +55,7 @@ class CurvePlot:
         self.figure = made = plain_figure(
             p, sizing_mode="stretch_both", tools="pan,wheel_zoom,box_zoom,reset",
             x_axis_label=" ", y_axis_label=" ", x_range=Range1d(0, 1), y_range=Range1d(0, 1),
-            name=name,
+            name=name, css_classes=[name],
         )  # fmt: skip
         self._axes = (_Axis(made, "x"), _Axis(made, "y"))
         looks = {
@@ -92,7 +92,7 @@ class CurvePlot:
         for annotation in (*self._spans, self._box):
             made.add_layout(annotation)
         made.text("x", "y", "text", source=self._marks, text_color=p.quiet, angle=np.pi / 2,
-                  text_font_size="10px", text_align="right", x_offset=-2)  # fmt: skip
+                  text_font_size="10px", text_align="right", x_offset=-2, y_offset=4)  # fmt: skip
         self._hover = hover(p, list(self._lines.values()), ("", "$name"), mode="mouse")
         made.add_tools(self._hover)
         _legend(made, p)

@@ -34,8 +34,8 @@ from dnanalyze.workbench.worst import worst_view
 
 REDRAWN_AT_REST = 1 << 21  # pixels from which a moving slider redraws the frame only when it rests
 LIVE_S = 1.0  # least time between frames while a slider moves: curve and error come first
-FEWEST = 420  # rows and columns that are sent of an image; means would hide every second column
-LARGE_HEIGHT = 900  # the same in a large figure
+FEWEST = 420  # rows or columns that are sent of an image of unknown size on the screen
+LARGE_HEIGHT = 900  # the same at most
 SIDES = "histogram", "pixel"
 MODES = "side by side", "swipe", "blink"
 
@@ -70,12 +70,13 @@ class Sensor:
         }
         self.side = pn.Column(
             pn.Row(self.which, margin=0), self.histogram.view, self.pixel.view, margin=0,
-            sizing_mode="stretch_both", stylesheets=[ACROSS], css_classes=["side"],
+            sizing_mode="stretch_both", css_classes=["side"],
         )  # fmt: skip
         self.pixel.view.visible = False
         self.view = pn.Column(
-            styles=card(p) | {"overflow": "hidden"}, sizing_mode="stretch_both", margin=0
-        )
+            styles=card(p) | {"overflow": "hidden", "container-type": "size"},
+            sizing_mode="stretch_both", margin=0,
+        )  # fmt: skip
         self.view.extend([
             pn.Row(
                 pn.pane.HTML("<h2>Frames</h2>", stylesheets=style, margin=(3, 6, 0, 0)),
@@ -265,16 +266,18 @@ class Sensor:
         self.swipe.visible = self.mode.value == "swipe"
         for name in NAMES[1:]:
             self._panes[name].visible = not alone
-        styles = {"grid-column": "1 / span 3" if alone else "auto"}
-        if self._panes["measured"].styles != styles:
-            self._panes["measured"].styles = styles
+        for pane, places in ((self._panes["measured"], IMAGE), (self.side, SIDE)):
+            styles = {"grid-column": places[alone]}
+            if pane.styles != styles:
+                pane.styles = styles
         self._blink()
         shown, view = self.context.shown, self.view_of
         model = shown.model if shown is not None else None
         preview = shown is not None and shown.preview
         grid = self._grid(view.plane)
         window = self._window(grid.scale)
-        most = min(LARGE_HEIGHT, max(FEWEST, self.images.most))
+        cells = max(window.shape) * grid.scale * self.images.dense  # a pixel fewer would be skipped
+        most = min(LARGE_HEIGHT, round(cells) or FEWEST)
         far = self.hot.value
         self._asked_s = time.monotonic()
         fresh = self._drawn is None or self._drawn[0] != view
@@ -432,9 +435,13 @@ class Sensor:
 
 GRID = """
 :host { display:grid !important; grid-template-columns:repeat(3, minmax(0, 1fr)) minmax(0, 1.15fr);
-  grid-template-rows:minmax(0, 1fr); gap:6px; min-height:0; }
-@media (max-width:1279px) { :host { grid-template-columns:repeat(3, minmax(0, 1fr));
-  grid-template-rows:minmax(0, 1fr) minmax(0, 0.85fr); }
-}
-"""
-ACROSS = "@media (max-width:1279px) { :host { grid-column:1 / -1; } }"
+  grid-template-rows:minmax(0, 1fr); gap:6px; min-height:0;
+  --alone:1 / span 3; --side:auto; --below:auto; }
+@container (max-width:1260px) { :host { grid-template-columns:repeat(3, minmax(0, 1fr));
+  grid-template-rows:minmax(0, 1fr) minmax(0, 0.85fr);
+  --alone:1 / -1; --side:1 / -1; --below:1 / -1; } }
+@container (min-height:700px) and (max-aspect-ratio:2) { :host {
+  grid-template-columns:repeat(2, minmax(0, 1fr)); grid-template-rows:repeat(2, minmax(0, 1fr));
+  --alone:1 / -1; --side:auto; --below:1 / -1; } }
+"""  # in a row; the histogram below the images where it is narrow; two by two where it is high
+IMAGE, SIDE = ("auto", "var(--alone)"), ("var(--side)", "var(--below)")  # beside others, alone

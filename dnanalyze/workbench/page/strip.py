@@ -39,7 +39,7 @@ class Strip:
         p, session = context.palette, context.session
         style = [inner(p) + _looks(p)]
         self._said: Verdict | None = None
-        self.error = pn.pane.HTML("", stylesheets=style, margin=(0, 14, 0, 0), width=214)
+        self.error = pn.pane.HTML("", stylesheets=style, margin=(0, 14, 0, 0), width=236)
         self.text = pn.pane.HTML(
             "", stylesheets=style, margin=0, sizing_mode="stretch_width", css_classes=["verdict"]
         )

@@ -85,7 +85,8 @@ select.bk-input {{ padding-right:20px !important; text-overflow:ellipsis;
 .bk-btn:disabled {{ opacity:.45; }}
 .bk-active.bk-btn {{ background-color:{p.present} !important; color:{p.card} !important; }}
 label, .bk-slider-title {{ color:{p.quiet}; font-size:11px; }}
-.noUi-target {{ height:6px !important; margin:9px 8px !important; box-shadow:none !important; }}
+.noUi-target {{ height:6px !important; width:auto !important; margin:9px 8px !important;
+  box-shadow:none !important; }}
 .noUi-connect {{ background:{p.present} !important; }}
 .noUi-handle {{ width:14px !important; height:14px !important; top:-5px !important;
   right:-7px !important; border-radius:50% !important; background:{p.present} !important;

@@ -1,0 +1,51 @@
+"""News to the panes of a page arrive as one message."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("panel")
+
+from bokeh.document import Document
+from bokeh.models import LinearScale, LogScale
+
+from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.style import LIGHT, plain_figure
+
+
+@pytest.fixture
+def context():
+    made = Context(None, LIGHT, Document())
+    made.document.add_root(plain_figure(LIGHT))
+    return made
+
+
+def exchange(figure, times=20):
+    for k in range(times):
+        figure.x_scale = LogScale() if k % 2 else LinearScale()
+
+
+def test_the_page_is_searched_once_however_many_models_are_exchanged(context, monkeypatch):
+    models, searches = context.document.models, []
+    search = models.recompute
+    monkeypatch.setattr(models, "recompute", lambda: (searches.append(1), search()))
+    figure = context.document.roots[0]
+    context.listeners.append(lambda _: exchange(figure))
+    context.tell("evaluation")
+    assert len(searches) == 1
+    assert figure.x_scale.id in models
+
+
+def test_after_an_error_of_a_pane_the_page_knows_its_models_again(context):
+    figure = context.document.roots[0]
+
+    def fails(_):
+        exchange(figure)
+        raise ValueError("of a pane")
+
+    context.listeners.append(fails)
+    with pytest.raises(ValueError, match="of a pane"):
+        context.tell("evaluation")
+    exchange(figure, 1)
+    assert figure.x_scale.id in context.document.models
+    assert context.document.callbacks.hold_value is None
