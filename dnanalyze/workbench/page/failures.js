@@ -66,7 +66,7 @@ export function render({ model, el }) {
         button.style.color = c.ink;
         button.title = c.tip;
         button.setAttribute("aria-pressed", c.chosen);
-        button.onclick = () => model.send_msg({ cell: c.index });
+        button.onclick = () => model.send_msg({ cell: c.key });
         cell.append(button);
       }
     }

@@ -64,7 +64,7 @@ class Failures:
         style = [inner(p)]
         self._names: list[str] = []
         self._own = False  # whether the user has chosen a statistic
-        self._addresses: list[Address] = []
+        self._addresses: dict[str, Address] = {}  # by the key that a cell sends
         self._rows_of: list[dict[str, Any]] = []
         self.table = FailureTable(
             one=_place_of(1.0), stylesheets=[inner(p) + _looks(p)], sizing_mode="stretch_width",
@@ -99,8 +99,8 @@ class Failures:
             context.family, context.address = str(family), None
             self._draw_families()
             self._draw_matrix()
-        elif isinstance(at := message.get("cell"), int) and 0 <= at < len(self._addresses):
-            context.address = context.brushed = self._addresses[at]
+        elif (address := self._addresses.get(str(message.get("cell")))) is not None:
+            context.address = context.brushed = address
             context.tell("address")
             context.tell("brush")
 
@@ -199,10 +199,10 @@ class Failures:
             worst[r["name"]] = max(worst.get(r["name"], 0.0), abs(r["discrepancy"]))
         names = sorted(worst, key=lambda n: -worst[n])[:MOST_ROWS]
         self._rows_of = [r for name in names for r in rows if r["name"] == name]
-        self._addresses = [Address(r["name"], *_place(r)) for r in self._rows_of]
-        if context.address not in self._addresses and self._rows_of:
-            sizes = [abs(float(r["discrepancy"])) for r in self._rows_of]
-            context.address = self._addresses[int(np.argmax(sizes))]
+        self._addresses = {_key(r): Address(r["name"], *_place(r)) for r in self._rows_of}
+        if context.address not in self._addresses.values() and self._rows_of:
+            farthest = max(self._rows_of, key=lambda r: abs(float(r["discrepancy"])))
+            context.address = self._addresses[_key(farthest)]
             context.tell("address")
         else:
             self._draw_cells()
@@ -211,7 +211,7 @@ class Failures:
         context, known = self.context, infos()
         points = list(dict.fromkeys(_place(r) for r in self._rows_of))
         made: dict[str, dict[str, Any]] = {}
-        for i, (r, address) in enumerate(zip(self._rows_of, self._addresses, strict=True)):
+        for r in self._rows_of:
             title = known[r["name"]].title
             row = made.setdefault(
                 r["name"],
@@ -220,9 +220,8 @@ class Failures:
                     "cells": [None] * len(points),
                 },
             )
-            row["cells"][points.index(_place(r))] = _cell(
-                r, i, address == context.address, context.palette
-            )
+            chosen = self._addresses[_key(r)] == context.address
+            row["cells"][points.index(_place(r))] = _cell(r, chosen, context.palette)
         self.table.columns = without_shared([labelled(*p) for p in points])
         self.table.corner = "(measured − model) / σ" + explained("sigma")
         self.table.rows = list(made.values())
@@ -252,7 +251,12 @@ def family_of_worst(rows: list[dict[str, Any]]) -> str:
     return str(max(rows, key=lambda r: min(abs(r["discrepancy"]), 1e4))["family"])
 
 
-def _cell(row: dict[str, Any], index: int, chosen: bool, p: Palette) -> dict[str, Any]:
+def _key(row: dict[str, Any]) -> str:
+    """What a cell sends when it is clicked: its own statistic and place, whatever is drawn next."""
+    return f"{row['name']} {labelled(*_place(row))}"
+
+
+def _cell(row: dict[str, Any], chosen: bool, p: Palette) -> dict[str, Any]:
     z = float(row["discrepancy"])
     measured, model = plain_pair(row["measured"], row["simulated"])
     unit = symbol(row["unit"])
@@ -264,7 +268,7 @@ def _cell(row: dict[str, Any], index: int, chosen: bool, p: Palette) -> dict[str
         "ink": "#ffffff" if abs(z) > COLOUR_STEPS[-2] else p.ink,
         "tip": f"{labelled(*_place(row))}\nmeasured {measured} {unit}\nmodel {model} {unit}\n"
         f"difference {text} σ",
-        "index": index,
+        "key": _key(row),
         "chosen": chosen,
     }
 
