@@ -148,10 +148,14 @@ def _body(counts: Counted, repeats: float, out: FamilyResult) -> None:
         reason = "fewer than five codes make up the body of the histogram"
         out.missing.update(dict.fromkeys(names, reason))
         return
-    unused = float(np.sum(body == 0))
-    se = math.sqrt(max(unused, 1.0) * max(1 - unused / body.size, 1 / body.size)) / body.size
-    out.values["unused_codes"] = Value(unused / body.size, se)
     core = min(body.size, GAUSSIAN * (last - first + 1))  # a long tail makes it no smoother
+    # as far as a normal distribution reaches: one hot pixel more or less may put the end of the
+    # body before or behind a gap, whose codes no sensor of the design gives
+    beyond = math.ceil((GAUSSIAN - 1.0) / 2.0 * (last - first + 1))
+    near = counts.counts[max(low, first - beyond) : min(high, last + beyond) + 1]
+    unused = float(np.sum(near == 0))
+    se = math.sqrt(max(unused, 1.0) * max(1 - unused / near.size, 1 / near.size)) / near.size
+    out.values["unused_codes"] = Value(unused / near.size, se)
     width = int(min(max(5, 2 * (core // 8) + 1), 129))
     smooth = smoothed(counts.counts.astype(float), width)[low : high + 1]
     smooth = np.maximum(smooth, body / STEEP)  # a cubic falls through 0 where a histogram ends
