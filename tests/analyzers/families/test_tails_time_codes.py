@@ -222,6 +222,14 @@ def test_missing_codes_make_gaps_roughness_and_a_comb():
     assert smooth["code_comb"].value < 0.05 < 0.5 < rough["code_comb"].value
 
 
+@pytest.mark.parametrize("share", [0.005, 0.01, 0.02])
+def test_a_gap_before_a_peak_of_hot_pixels_is_no_lack_of_codes(share):
+    rng = np.random.default_rng(15)
+    hot = 300.0 * (rng.random(SHAPE) < share)
+    frames = [np.rint(100 + hot + 4 * rng.normal(size=SHAPE)).astype(np.uint16) for _ in range(4)]
+    assert values_of(codes, frames)["unused_codes"].value == 0
+
+
 def test_a_long_tail_makes_no_histogram_rough_and_hides_no_missing_codes():
     """Counts alone make it rough by the square root of codes over counts."""
     rng = np.random.default_rng(18)
