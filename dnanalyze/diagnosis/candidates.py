@@ -150,10 +150,11 @@ def _tested(problem: FitProblem, found: Trial, trials: Sequence[Trial]) -> Trial
 
 
 def _shown(problem: FitProblem, found: Trial) -> bool:
-    """Whether a refitted effect can be distinguished from a constant one in these captures."""
-    effect = found.state.model.get(found.effect)
+    """Whether these captures tell a refitted effect from a simpler one."""
+    effect, plan = found.state.model.get(found.effect), problem.plan
     assert effect is not None
-    return effect.shows_in(max(n for _, n in problem.plan.settings))
+    pixels = sum(math.prod(window.shape) for window in plan.windows)
+    return effect.shows_in(max(n for _, n in plan.settings), pixels)
 
 
 def _of_other_kinds(guesses: Sequence[Guess]) -> tuple[Guess, ...]:

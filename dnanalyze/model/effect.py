@@ -357,18 +357,20 @@ class Effect:
         """
         return True
 
-    def shows_in(self, frames: int) -> bool:
-        """Whether captures of so many frames tell it from an effect that is constant.
+    def shows_in(self, frames: int, pixels: int) -> bool:
+        """Whether captures of so many frames and pixels tell it from a simpler effect.
 
         Parameters
         ----------
         frames : int
             Most frames of one operating point.
+        pixels : int
+            Of a frame, as far as they are compared.
 
         Returns
         -------
         bool
-            False where it is as good as constant in them.
+            False where the simpler effect makes the same frames.
         """
         return True
 

@@ -16,9 +16,11 @@ from dnanalyze.diagnosis.score_test import Guess
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.problem import fit_problem
-from dnanalyze.loaders.captures import Window
+from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effects.column_fpn import ColumnFpn
+from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
+from dnanalyze.model.simulate import simulate
 
 UPPER, LOWER = Window(0, 50, 0, 80), Window(50, 100, 0, 80)
 ROWS = ("row_fpn", "row_noise", "column_fpn")
@@ -97,16 +99,25 @@ def test_no_candidates_no_trials(null):
 
 @pytest.fixture(scope="module")
 def alike() -> FittedModel:
-    """A sensor with few atoms of one metal: its hot pixels are nearly alike."""
-    drawn = draw_sensor(np.random.default_rng(11))
-    hidden = {"dark_current_steps": {"level": "middling"}}
-    problem = fit_problem(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
+    """A sensor with a few noisy pixels: telegraph noise that switches at once is nearly alike."""
+    known = built_in()
+    effects = (
+        known["convolved_lognormal"](mu=1.0, delta=0.5),
+        known["dark_shot_noise"](0.5),
+        known["read_noise"](2.0),
+        known["noisy_pixels"](0.02, 5.0),
+        known["pixel_fpn"](0.5),
+        known["quantization"](12),
+    )
+    points = [(OperatingPoint(celsius, 0.1), 4) for celsius in (25.0, 45.0, 65.0)]
+    frames = simulate(NoiseModel(effects, pedestal=100.0, seed=4), (128, 128), points, "made")
+    problem = fit_problem(design(frames))
     return FittedModel(problem, baseline_fitted(problem, baseline_start(problem)))
 
 
 @pytest.fixture(scope="module")
 def competing(alike) -> list[Trial]:
-    found = trials(alike, of("dark_current_steps", "hot_pixels"))
+    found = trials(alike, of("noisy_pixels", "rts"))
     assert len(found) == 2
     return found
 
@@ -125,7 +136,7 @@ def test_competitors_are_judged_by_the_sensors_of_their_make(alike, competing):
 def test_an_effect_that_the_captures_do_not_show_as_such_is_no_candidate(null):
     @dataclass(frozen=True)
     class Unseen(ColumnFpn):
-        def shows_in(self, frames):
+        def shows_in(self, frames, pixels):
             return frames > 4
 
     assert [t.effect for t in trials(null, of("column_fpn"))] == ["column_fpn"]

@@ -103,7 +103,7 @@ class Rts(Effect):
         """The common occupancy, where each pixel has its own."""
         return ("occupancy",) if self.occupancies == "spread" else ()
 
-    def shows_in(self, frames: int) -> bool:
+    def shows_in(self, frames: int, pixels: int) -> bool:
         """Not where fewer than one trap in ten changes its state: hot pixels look the same."""
         dwell = self.dwell_frames
         return not isinstance(dwell, (int, float)) or dwell <= 10.0 * frames

@@ -321,10 +321,20 @@ def test_hot_pixels_noisier_than_their_charge_may_be_telegraph_noise():
     assert guess.occupancy == 0.5
 
 
+def test_one_peak_of_the_dark_current_makes_no_steps():
+    pixels = 512 * 512
+    with_two = [
+        np.sum(frames(DarkCurrentSteps(10.0, n), (512, 512), 1)[0] > 15) for n in (0.002, 0.01)
+    ]
+    assert with_two[0] < 5 < with_two[1]
+    assert not DarkCurrentSteps(10.0, 0.002).shows_in(8, pixels)
+    assert DarkCurrentSteps(10.0, 0.01).shows_in(8, pixels)
+
+
 @pytest.mark.parametrize(("dwell", "shown"), [(0.5, True), (79.0, True), (81.0, False)])
 def test_traps_that_hardly_change_in_the_series_are_hot_pixels(dwell, shown):
     effect = Rts(0.05, 30.0, 0.5, dwell, 0.0, "fixed", "none")
-    assert effect.shows_in(8) == shown
+    assert effect.shows_in(8, 256 * 256) == shown
     first, last = frames(effect, (256, 256), 8)[[0, -1]] > 0
     changed = np.mean(first != last) / 0.05
     share = 0.5 * -np.expm1(-7 / dwell)  # of the stationary states
