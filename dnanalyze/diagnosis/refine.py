@@ -137,16 +137,7 @@ def refine_on(
         so_far.append(path)
         on_result(_so_far(captures, unlimited, path))
 
-    search = Search(
-        problem,
-        open_to,
-        tuple(begun.names),
-        limits.max_effects,
-        limits.until_error,
-        on_step,
-        on_progress,
-        kept,
-    )
+    search = Search(problem, open_to, tuple(begun.names), limits, on_step, on_progress, kept)
     try:
         path = search.run(state, exclude)
     except TimeUp:

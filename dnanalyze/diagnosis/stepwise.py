@@ -220,9 +220,8 @@ class Search:
     """A stepwise search and its limits.
 
     ``known``: effects that may be added. ``begun``: those of the starting model, which do not count
-    as added. ``most``, ``until_error``: limits of the user. ``on_step``, ``on_progress``: called
-    with every step, and with the name of every candidate. ``on_path``: called whenever the model is
-    complete.
+    as added. ``limits``: of the user. ``on_step``, ``on_progress``: called with every step, and
+    with the name of every candidate. ``on_path``: called whenever the model is complete.
     ``whole``: the whole field where ``problem`` is a part of it; model errors, and what is kept,
     are of it.
     """
@@ -230,8 +229,7 @@ class Search:
     problem: FitProblem
     known: dict[str, type[Effect]]
     begun: tuple[str, ...] = ()
-    most: int | None = None
-    until_error: float | None = None
+    limits: SearchLimits = NO_LIMITS
     on_step: Callable[[Step], None] = ignored
     on_progress: Callable[[str], None] = ignored
     on_path: Callable[[Path], None] = ignored
@@ -365,11 +363,13 @@ class Search:
         """Whether the user wants no more effects; ``gone``: the one that another replaces."""
         law = path.best is not None and path.best.effect == BASE
         added = len(self._added(path.state)) - (gone is not None)
-        return self.most is not None and not law and added >= self.most
+        most = self.limits.max_effects
+        return most is not None and not law and added >= most
 
     def near_enough(self, path: Path) -> bool:
         """Whether the model error is as low as the user asked."""
-        return self.until_error is not None and path.error <= self.until_error
+        enough = self.limits.until_error
+        return enough is not None and path.error <= enough
 
     def _added(self, state: State) -> list[str]:
         return [n for n in state.model.names if n not in (*self.begun, *BASELINE)]

@@ -196,14 +196,11 @@ class WorkbenchSession:
     def adopt(self, model: NoiseModel, action: str) -> None:
         """A model that was set by hand as a new node."""
         self._put(model, action)
+        self.changed("history")
         self._measure()
 
     def _put(self, model: NoiseModel, action: str) -> None:
         """A new node whose error is not known yet; the last one, where a slider moves on."""
-        self._place(model, action)
-        self.changed("history")
-
-    def _place(self, model: NoiseModel, action: str) -> None:
         with self._lock:
             history = self._history()
             before = history.present.action
@@ -404,7 +401,7 @@ class WorkbenchSession:
         between = completed is not None and effect not in completed.names
         if completed is not None and between:
             new = [name for name in completed.names if base.model.get(name) is None]
-            self._place(completed, f"add baseline effects {', '.join(new)}")
+            self._put(completed, f"add baseline effects {', '.join(new)}")
             base = self.present
 
         def step(found: dict[str, Any]) -> None:

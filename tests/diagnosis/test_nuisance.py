@@ -24,7 +24,7 @@ from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.effects.row_noise import RowNoise
 from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE
+from dnanalyze.model.registry import BASE, built_in
 from dnanalyze.model.simulate import simulate
 
 POINT = OperatingPoint(25.0, 1.0, 1.0)
@@ -58,6 +58,14 @@ def test_parameters_are_corrected_by_factor_and_shift():
     assert changed.get("read_noise").sigma == pytest.approx(2.0 * 1.25 / 1.6)
     assert changed.pedestal == pytest.approx(20.0 + 80.0 * 1.25 / 1.6)
     assert unbiased(model, gain, np.inf, gain) is None
+
+
+@pytest.mark.parametrize("name", ["heavy_tailed_read_noise", "noisy_pixels", "rts"])
+def test_a_spread_is_shared_with_a_second_population(name):
+    spread = 0.4
+    model = NoiseModel((ReadNoise(2.0, spread=spread),), 100.0, POINT)
+    right = unbiased(model, built_in()[name](), 2.0)
+    assert right.get("read_noise").spread ** 2 == pytest.approx(spread**2 / 2)
 
 
 def test_an_effect_that_biases_nothing_leaves_the_model():

@@ -15,6 +15,7 @@ from dnanalyze.diagnosis.selection import EVIDENCE_DECISIVE, EVIDENCE_NULL, EVID
 from dnanalyze.diagnosis.stepwise import (
     Path,
     Search,
+    SearchLimits,
     choose,
     descending,
     reduced,
@@ -211,10 +212,10 @@ def test_a_last_fit_with_which_the_error_rises_is_not_taken(problem, with_rows):
 
 def test_a_search_ends_at_the_users_limits(problem):
     state = fitted(problem)
-    most = Search(problem, ROWS, most=0).run(state)
+    most = Search(problem, ROWS, limits=SearchLimits(max_effects=0)).run(state)
     assert [s.added for s in most.steps] == [None]
     assert most.best.effect == "row_fpn"
-    enough = Search(problem, ROWS, until_error=1e3).run(state)
+    enough = Search(problem, ROWS, limits=SearchLimits(until_error=1e3)).run(state)
     assert enough.tried == ()
     assert enough.best is None
 
@@ -263,7 +264,7 @@ def test_what_is_far_off_is_searched_on_a_part_and_confirmed_on_the_whole(far, m
 def test_the_whole_field_begins_with_the_candidates_of_the_part(far):
     known = {n: built_in()[n] for n in ("rts", "persistence", "row_noise", "column_fpn")}
     tested: list[str] = []
-    search = Search(far, known, most=0, on_progress=tested.append)
+    search = Search(far, known, limits=SearchLimits(max_effects=0), on_progress=tested.append)
     begun, path = search._on_part(state := fitted(far), ())
     assert {"row_noise", "column_fpn"} <= set(path.open) < set(known)
     assert path.state is state

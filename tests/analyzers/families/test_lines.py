@@ -23,7 +23,7 @@ def test_defect_columns_are_counted_and_the_worst_is_measured():
     assert found["column_extreme"].value == pytest.approx(4 / 0.0408, rel=0.3)
 
 
-@pytest.mark.parametrize("offset", [4.0, 40.0, 400.0])
+@pytest.mark.parametrize("offset", [0.4, 4.0, 40.0, 400.0])  # from 9 sigma on
 def test_a_line_far_out_is_no_chance_however_far(offset):
     frames = white(np.random.default_rng(1), (200, 180), 3)
     for f in frames:
