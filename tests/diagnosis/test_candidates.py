@@ -139,5 +139,11 @@ def test_an_effect_that_the_captures_do_not_show_as_such_is_no_candidate(null):
         def shows_in(self, frames, pixels):
             return frames > 4
 
-    assert [t.effect for t in trials(null, of("column_fpn"))] == ["column_fpn"]
+    @dataclass(frozen=True)
+    class Seen(ColumnFpn):
+        def shows_in(self, frames, pixels):
+            return (frames, pixels) == (4, 128 * 128)
+
+    for kind in (ColumnFpn, Seen):
+        assert [t.effect for t in trials(null, {"column_fpn": kind})] == ["column_fpn"]
     assert trials(null, {"column_fpn": Unseen}) == []
