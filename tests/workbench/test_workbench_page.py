@@ -269,6 +269,7 @@ def test_one_image_alone_is_as_wide_as_three_and_side_by_side_comes_back(bench):
     bench.until(lambda: _box(bench, ".measured")[2] > 2.5 * width, "a wide image")
     bench.click("side by side")
     bench.until(lambda: _box(bench, ".measured")[2] == width, "three images")
+    bench.until(lambda: abs(bench.page.evaluate(SIDES) - 1) < 0.05, "square pixels")
 
 
 def test_a_slider_ends_before_its_number(bench):

@@ -64,15 +64,19 @@ class Sensor:
         self.images = Images(p, self.captures.sensor.shape, self._pixel, self._changed)
         self.histogram = Histogram(context)
         self.pixel = Pixel(context)
-        self._panes = {
-            n: pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_both")
-            for n, f in self.images.figures.items()
-        }
         self.side = pn.Column(
             pn.Row(self.which, margin=0), self.histogram.view, self.pixel.view, margin=0,
             sizing_mode="stretch_both", css_classes=["side"],
         )  # fmt: skip
         self.pixel.view.visible = False
+        self.places = pn.Column(
+            *(
+                pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_both", css_classes=[n])
+                for n, f in self.images.figures.items()
+            ),
+            self.side, sizing_mode="stretch_both", margin=0, stylesheets=[GRID],
+            css_classes=["images"],
+        )  # fmt: skip
         self.view = pn.Column(
             styles=card(p) | {"overflow": "hidden", "container-type": "size"},
             sizing_mode="stretch_both", margin=0,
@@ -90,10 +94,7 @@ class Sensor:
                 margin=(0, 0, 4, 0), sizing_mode="stretch_width",
                 styles={"flex-wrap": "wrap", "row-gap": "3px", "min-width": "0"},
             ),
-            pn.Column(
-                *self._panes.values(), self.side, sizing_mode="stretch_both", margin=0,
-                stylesheets=[GRID], css_classes=["images"],
-            ),
+            self.places,
         ])  # fmt: skip
         context.listeners.append(self.update)
         self._choose_view(self.view_of)
@@ -264,12 +265,9 @@ class Sensor:
         """Ask for the images of the present view, window and model."""
         alone = self.mode.value != MODES[0]
         self.swipe.visible = self.mode.value == "swipe"
-        for name in NAMES[1:]:
-            self._panes[name].visible = not alone
-        for pane, places in ((self._panes["measured"], IMAGE), (self.side, SIDE)):
-            styles = {"grid-column": places[alone]}
-            if pane.styles != styles:
-                pane.styles = styles
+        classes = ["images", "alone"] if alone else ["images"]
+        if self.places.css_classes != classes:
+            self.places.css_classes = classes
         self._blink()
         shown, view = self.context.shown, self.view_of
         model = shown.model if shown is not None else None
@@ -443,5 +441,9 @@ GRID = """
 @container (min-height:700px) and (max-aspect-ratio:2) { :host {
   grid-template-columns:repeat(2, minmax(0, 1fr)); grid-template-rows:repeat(2, minmax(0, 1fr));
   --alone:1 / -1; --side:auto; --below:1 / -1; } }
-"""  # in a row; the histogram below the images where it is narrow; two by two where it is high
-IMAGE, SIDE = ("auto", "var(--alone)"), ("var(--side)", "var(--below)")  # beside others, alone
+.side { grid-column:var(--side); }
+:host(.alone) .measured { grid-column:var(--alone); }
+:host(.alone) .side { grid-column:var(--below); }
+:host(.alone) .simulated, :host(.alone) .difference { display:none !important; }
+"""  # in a row; the histogram below the images where it is narrow; two by two where it is high;
+# one change of a class places all at once: Bokeh keeps sizes from between two changes
