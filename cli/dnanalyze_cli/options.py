@@ -103,7 +103,7 @@ Scheduler = Annotated[
     str | None,
     option(
         "--scheduler ADDRESS|local",
-        "Dask workers do the work: of analyze they read the frames, and an interrupted run "
+        "Dask workers do the work. With analyze they read the frames; an interrupted run "
         "continues where it stopped.",
         RUN,
     ),

@@ -16,7 +16,7 @@ from dnanalyze.errors import InputError
 from dnanalyze.fitting.changes import Changes
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.residual import Residual
-from dnanalyze.fitting.state import State, loss, weights
+from dnanalyze.fitting.state import State, deviance, loss, root_weights
 from dnanalyze.model.effect import Effect, Placing
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.progress import ignored
@@ -103,7 +103,8 @@ class _View:
             if seen:
                 promise = self.idle - along(self.state, next(shifts)).loss
             else:  # the fitted half has none of it
-                promise = loss(self.state.test) - loss(self.problem.judged_z(model))
+                unseen, weight = self.problem.judged_z(model), self.problem.test.weight
+                promise = loss(self.state.test, weight) - loss(unseen, weight)
             found.append(Guess(name, model, promise))
         return found
 
@@ -121,7 +122,8 @@ def much_left(state: State) -> bool:
 def telling(problem: FitProblem, state: State) -> list[int]:
     """The operating point with the largest loss, and the end of the series farther from it."""
     train = problem.train
-    losses = [loss(state.train[train.setting == s]) for s in range(len(problem.plan.settings))]
+    each = state.weight * deviance(state.train)
+    losses = np.bincount(train.setting, each, len(problem.plan.settings))
     worst = int(np.argmax(losses))
     return sorted({worst, max((0, len(losses) - 1), key=lambda e: abs(e - worst))})
 
@@ -131,8 +133,9 @@ def restricted(problem: FitProblem, state: State, settings: list[int]) -> State:
     here = np.isin(problem.train.setting, settings)
     there = np.isin(problem.test.setting, settings)
     return State(
-        state.model, state.free, state.train[here], lambda: state.test[there], state.jacobian[here]
-    )
+        state.model, state.free, state.train[here], lambda: state.test[there],
+        state.jacobian[here], weight=np.broadcast_to(state.weight, here.shape)[here],
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -148,13 +151,13 @@ def along(state: State, change: np.ndarray) -> Least:
 
     The nuisance parameters are projected out.
     """
-    w = weights(state.train)
+    w = root_weights(state.train, state.weight)
     usable = np.linalg.norm(state.jacobian, axis=0) > 1e-6
     free = np.linalg.qr(state.jacobian[:, usable] * w[:, None])[0]
 
     def at(share: float) -> float:
         z = state.train - share * change
-        return loss(z - (free @ (free.T @ (z * w))) / w)
+        return loss(z - (free @ (free.T @ (z * w))) / w, state.weight)
 
     whole = Least(at(1.0), 1.0)
     if not change.any():

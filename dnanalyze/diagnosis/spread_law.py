@@ -22,7 +22,7 @@ from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters
 from dnanalyze.fitting.from_part import FIT_STEPS, converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
-from dnanalyze.fitting.state import State, weights
+from dnanalyze.fitting.state import State, root_weights
 from dnanalyze.model.laws import ArrheniusLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE
@@ -64,7 +64,7 @@ def with_law(model: NoiseModel) -> NoiseModel | None:
 def score(state: State) -> float:
     """Squared standard score of the slope, the other parameters projected out (chi^2, 1 d.o.f.)."""
     at = np.array([_is_slope(k) for k in state.free])
-    w = weights(state.train)
+    w = root_weights(state.train)
     a, b = np.nan_to_num(state.jacobian * w[:, None]), state.train * w
     free = np.linalg.qr(a[:, ~at & (np.linalg.norm(a, axis=0) > 1e-6)])[0]
     slope, rest = (x - free @ (free.T @ x) for x in (a[:, at].sum(axis=1), b))

@@ -38,7 +38,7 @@ from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
-from dnanalyze.fitting.state import State, loss, start, unseen, weights
+from dnanalyze.fitting.state import State, loss, root_weights, start, unseen
 from dnanalyze.fitting.ties import TRANSFER, misfits
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
@@ -271,7 +271,7 @@ def paper_start(problem: FitProblem, exclude: Sequence[str] = ()) -> NoiseModel:
     models = paper_models(at_a_glance(problem))
     if "quantization" not in exclude:
         models = [as_captured(problem, model) for model in models]
-    losses = [loss(seen.train.z(found)) for found in seen.several(models)]
+    losses = [loss(seen.train.z(found), seen.train.weight) for found in seen.several(models)]
     return replace(models[int(np.argmin(losses))], unit=problem.plan.unit)
 
 
@@ -399,7 +399,7 @@ def _at_root(fair: FitProblem, state: State, gain: np.ndarray, spread: np.ndarra
 
 def _gain(state: State, seen: np.ndarray) -> np.ndarray:
     """d parameter / d number of weighted least squares, (seen parameters, numbers and ties)."""
-    w = np.concatenate([weights(state.train), np.ones(len(state.ties))])
+    w = np.concatenate([root_weights(state.train, state.weight), np.ones(len(state.ties))])
     a = np.vstack([state.jacobian, tied(state)[0]])[:, seen] * w[:, None]
     size = np.linalg.norm(a, axis=0)  # the free parameters' scales differ by orders of magnitude
     return np.linalg.pinv(a / size, rcond=1e-6) / size[:, None] * w

@@ -16,7 +16,7 @@ import numpy as np
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.free_parameters import FreeParameter, positions, with_values
 from dnanalyze.fitting.problem import FitProblem
-from dnanalyze.fitting.state import STIFF, State, beyond, stiff, unseen, weights
+from dnanalyze.fitting.state import STIFF, State, beyond, root_weights, stiff, unseen
 from dnanalyze.fitting.ties import misfits
 
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
@@ -100,7 +100,7 @@ def _step(state: State, damping: float) -> tuple[np.ndarray, float]:
 
     A level that lies beyond its bound, or that the step would take there, is taken to it.
     """
-    w = weights(state.train)
+    w = root_weights(state.train, state.weight)
     a = state.jacobian * w[:, None]
     b = state.train * w
     wanted: dict[int, float] = {}  # numbers that are pressed to their bounds, and these

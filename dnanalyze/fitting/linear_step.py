@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dnanalyze.fitting.least_squares import DAMPING
-from dnanalyze.fitting.state import State, weights
+from dnanalyze.fitting.state import State, root_weights
 from dnanalyze.fitting.vectors import Target
 
 
@@ -25,7 +25,8 @@ def linear_step(
         Misfits on either, in reproducibility SDs, (sensors, statistics).
     """
     jacobian = np.nan_to_num(state.jacobian)  # what no fit has moved yet absorbs nothing
-    steps = [_step(jacobian * w[:, None], z * w) for z in train for w in [weights(z)]]
+    weights = [root_weights(z, state.weight) for z in train]
+    steps = [_step(jacobian * w[:, None], z * w) for z, w in zip(train, weights, strict=True)]
     taken = np.reshape(steps, (len(train), jacobian.shape[1]))
     unseen = fitted.derivatives_of(judged, jacobian)
     return train + taken @ jacobian.T, test + taken @ unseen.T

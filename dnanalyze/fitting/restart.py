@@ -18,7 +18,7 @@ from dnanalyze.fitting.derivatives import SMALLEST, placing_of
 from dnanalyze.fitting.free_parameters import FreeParameter, positions, settings_of, with_values
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
-from dnanalyze.fitting.state import State, start, weights
+from dnanalyze.fitting.state import State, root_weights, start
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -138,7 +138,7 @@ def _best_share(state: State, change: np.ndarray, lost: Sequence[int]) -> float:
 
     The free parameters that are not lost follow linearly.
     """
-    w = weights(state.train)
+    w = root_weights(state.train, state.weight)
     others = np.delete(np.nan_to_num(state.jacobian), list(lost), axis=1)
     others = others[:, np.linalg.norm(others, axis=0) > 1e-6] * w[:, None]
     free = np.linalg.qr(others)[0] if others.size else np.zeros((w.size, 0))

@@ -41,6 +41,8 @@ class State:
         Of each train number, in floors: how far it may be off, inf where that is left to the loss.
     ties : tuple of Tie
         Constraints of free parameters by direct measurements.
+    weight : ndarray or float
+        Of each train number in the loss.
     """
 
     model: NoiseModel
@@ -51,6 +53,7 @@ class State:
     at_rest: bool = False
     bounds: np.ndarray | None = None
     ties: tuple[Tie, ...] = ()
+    weight: np.ndarray | float = 1.0
 
     @property
     def test(self) -> np.ndarray:
@@ -59,14 +62,14 @@ class State:
 
     @property
     def loss(self) -> float:
-        """Pseudo-Huber loss over the train numbers (a sum of squares for small ones)."""
-        return loss(self.train)
+        """Weighted sum of the deviance over the train numbers."""
+        return loss(self.train, self.weight)
 
     @property
     def merit(self) -> float:
         """Objective of a fit: the loss, with the terms of bounds and ties."""
         off = misfits(self.ties, positions(self.model, self.free)) if self.ties else np.zeros(1)
-        return merit(self.train, self.bounds) + float(off @ off)
+        return self.loss + stiff(self.train, self.bounds) + float(off @ off)
 
 
 def unseen(problem: FitProblem, model: NoiseModel) -> Callable[[], np.ndarray]:
@@ -84,14 +87,9 @@ def deviance(z: np.ndarray) -> np.ndarray:
     return np.asarray(2 * SCALE**2 * (np.sqrt(1 + (z / SCALE) ** 2) - 1))
 
 
-def loss(z: np.ndarray) -> float:
-    """Sum of the deviance, which a fit minimises."""
-    return float(np.sum(deviance(z)))
-
-
-def merit(z: np.ndarray, bounds: np.ndarray | None) -> float:
-    """Loss, and `STIFF` times the squares of what lies beyond its bound, in bounds."""
-    return loss(z) + stiff(z, bounds)
+def loss(z: np.ndarray, weight: np.ndarray | float = 1.0) -> float:
+    """Weighted sum of the deviance; a fit minimises that with the weights of `Target.weight`."""
+    return float(np.sum(weight * deviance(z)))
 
 
 def stiff(z: np.ndarray, bounds: np.ndarray | None) -> float:
@@ -110,9 +108,10 @@ def start(
     """Simulate a model; take over derivatives from a like model where free parameters agree."""
     train = problem.fitted_z(model)
     blank = np.full((len(train), len(free)), np.nan)
-    over = loss(train) / len(train)
+    weight = problem.train.weight
+    over = loss(train, weight) / len(train)
     bounds, ties = problem.train.bounds(over), problem.direct.ties(model, free, over)
-    begun = State(model, free, train, unseen(problem, model), blank, False, bounds, ties)
+    begun = State(model, free, train, unseen(problem, model), blank, False, bounds, ties, weight)
     return begun if like is None else with_derivatives_of(begun, like)
 
 
@@ -147,6 +146,6 @@ def carried(state: State, there: FitProblem, here: FitProblem) -> State:
     return replace(begun, jacobian=there.train.derivatives_of(here.train, state.jacobian))
 
 
-def weights(z: np.ndarray) -> np.ndarray:
-    """Square roots of the weights with which least squares equal the pseudo-Huber loss."""
-    return (1 + (z / SCALE) ** 2) ** -0.25
+def root_weights(z: np.ndarray, weight: np.ndarray | float = 1.0) -> np.ndarray:
+    """Square roots of the weights with which least squares equal the loss."""
+    return np.asarray(np.sqrt(weight) * (1 + (z / SCALE) ** 2) ** -0.25)

@@ -124,6 +124,12 @@ class Target:
         return np.array([k.name for k in self.keys])
 
     @cached_property
+    def weight(self) -> np.ndarray:
+        """Weight of each number in the loss, 1 in the mean: families count equally."""
+        _, which, count = np.unique(self.families, return_inverse=True, return_counts=True)
+        return np.asarray(which.size / (count.size * count))[which]
+
+    @cached_property
     def setting(self) -> np.ndarray:
         """Setting of each number."""
         return np.array([k.setting for k in self.keys])

@@ -142,5 +142,5 @@ def expressed(state: State, there: FitProblem, here: FitProblem) -> State:
         unseen=cache(lambda: there.test.expressed(state.test, here.test)),
         jacobian=state.jacobian
         * (there.train.reproducibility_sd / here.train.reproducibility_sd)[:, None],
-        bounds=here.train.bounds(loss(train) / len(train)),
+        bounds=here.train.bounds(loss(train, here.train.weight) / len(train)),
     )

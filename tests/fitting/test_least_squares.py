@@ -11,6 +11,7 @@ from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.least_squares import HOPE, minimise, within_reach
 from dnanalyze.fitting.state import State, given, start
 from dnanalyze.fitting.ties import Direct
+from dnanalyze.fitting.vectors import Key, Target
 
 
 @pytest.mark.parametrize(
@@ -30,7 +31,7 @@ def test_a_step_tells_whether_its_derivatives_are_true(factor, far, true):
     def z(moved):
         return far - slope[:, 0] * (positions(moved, free) - here)
 
-    problem = SimpleNamespace(bounds=lambda _: None)
+    problem = SimpleNamespace(bounds=lambda _: None, weight=1.0)
     straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, direct=Direct())
     begun = State(model, free, z(model), given(z(model)), -factor * slope, not true)
     ended = minimise(straight, begun, 5, tolerance=0.992 if far < 1 else 0.01)
@@ -63,3 +64,23 @@ def test_a_loss_is_within_reach_up_to_some_times_what_a_step_promises(share, rea
     state = State(model, free, np.full(500, 0.1), given(np.zeros(1)), slope)
     promised = 50 * 0.1**2
     assert within_reach(state, state.loss - HOPE * promised / share) == reached
+
+
+def test_families_count_equally_in_a_fit():
+    """Nine numbers of one family want a parameter at 1, one of another family wants it at 0."""
+    model = small.model()
+    free = free_parameters(model)[:1]
+    here = positions(model, free)[0]
+    families = np.array(["level", *["spectrum"] * 9])
+    target = Target(tuple(Key(0, "", f"n{i}") for i in range(10)), *np.zeros((3, 10)), families)
+    assert target.weight == pytest.approx([5.0, *[5.0 / 9.0] * 9])
+
+    def z(moved):
+        return (positions(moved, free)[0] - here) - (families == "spectrum")
+
+    problem = SimpleNamespace(bounds=lambda _: None, weight=target.weight)
+    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, direct=Direct())
+    begun = replace(start(straight, model, free), jacobian=np.ones((10, 1)))
+    ended = minimise(straight, begun, 12, tolerance=1e-4)
+    assert ended.train[0] == pytest.approx(0.5, abs=0.02)
+    assert ended.loss == pytest.approx(10 * 0.5**2, rel=0.01)  # of squares, nearly

@@ -8,7 +8,7 @@ from scipy.optimize import lsq_linear
 
 from dnanalyze.fitting.least_squares import DAMPING
 from dnanalyze.fitting.linear_step import linear_step
-from dnanalyze.fitting.state import weights
+from dnanalyze.fitting.state import root_weights
 from dnanalyze.fitting.vectors import Key, Target
 
 NAMES = "mean", "temporal_noise", "pattern_noise", "drift", "hot_count_5"
@@ -21,7 +21,7 @@ def half(*names: str, floor: float = 1.0) -> Target:
 
 
 def state(jacobian: np.ndarray):
-    return SimpleNamespace(jacobian=jacobian)
+    return SimpleNamespace(jacobian=jacobian, weight=1.0)
 
 
 def test_what_the_parameters_can_absorb_is_taken_off_on_both_halves():
@@ -43,7 +43,7 @@ def test_the_step_is_that_of_damped_weighted_least_squares():
     z = rng.normal(size=(4, 5)) * 20.0
     train, _ = linear_step(state(jacobian), half(*NAMES), half(*NAMES), z, z)
     for made, given in zip(train, z, strict=True):
-        w = weights(given)
+        w = root_weights(given)
         a = jacobian * w[:, None]
         damped = np.vstack([a, np.sqrt(DAMPING) * np.diag(np.linalg.norm(a, axis=0))])
         step = lsq_linear(damped, np.concatenate([-given * w, np.zeros(3)])).x

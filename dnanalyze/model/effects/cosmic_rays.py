@@ -30,9 +30,9 @@ class CosmicRays(Effect):
     physics: ClassVar[str] = (
         "Muons (about one per square centimetre and minute at sea level), natural radioactivity "
         "of the packaging, and in space protons leave thousands of electrons along a straight "
-        "track: their remaining energy where they stop in it (`charge` track), in proportion to "
-        "their path where energies differ (path), as much in every pixel of path where all are "
-        "minimum-ionizing (even), or with Landau's fluctuations from pixel to pixel of path "
+        "track. The charge (`charge`) is the remaining energy of a particle that stops in the "
+        "silicon (track), or in proportion to its path (path). Minimum-ionizing particles leave "
+        "the same charge in every pixel of the path (even), or with Landau's fluctuations "
         "(landau; Moyal's law with a width of a quarter of the most probable charge). A length far "
         "below 1 makes hits of single pixels, with even and landau of exactly one. A hit is in "
         "one frame only, lights one pixel or a line of "
