@@ -26,6 +26,7 @@ from dnanalyze.fitting.measured_parameters import at_measured_parameters
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
+from dnanalyze.fitting.yardstick import fitted_by_design
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel
@@ -274,7 +275,8 @@ def add_on(
     if model is None:
         model = fit_on(captures, replicates=0, problem=problem, on_state=on_state).model
     model = at_measured_parameters(problem, model)
-    null = FittedModel.of(problem, minimise(problem, start(problem, model, free_parameters(model))))
+    begun = start(problem, model, free_parameters(model))
+    null = FittedModel.of(problem, fitted_by_design(problem, begun, minimise))
     seen = score_tests(null.problem, null.state, {name: kind})
     larger = seen[0].model if seen else model.with_effect(kind())
     begun = start(null.problem, larger, free_parameters(larger), like=null.state)

@@ -47,7 +47,7 @@ from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.time_limit import TimeLimit
-from dnanalyze.fitting.yardstick import expressed
+from dnanalyze.fitting.yardstick import expressed, fitted_by_design
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE, BASELINE
 from dnanalyze.progress import ignored
@@ -428,7 +428,7 @@ class Search:
         """
         if path.converged:
             return path
-        state = converge(self.problem, path.state)
+        state = fitted_by_design(self.problem, path.state, converge)
         error, last = self._error(state), path.steps[-1]
         if checked and way(path.error, error) == "rises":
             state, error = path.state, path.error
@@ -450,7 +450,12 @@ class Search:
         """Without the last effect: refitted, or the model before it where that error is lower."""
         last, before = path.steps[-1], path.steps[-2]
         assert last.added is not None
-        state = converge(self.problem, removal(self.problem, path.state, last.added))
+        name = last.added
+
+        def without(problem: FitProblem, state: State) -> State:
+            return converge(problem, removal(problem, state, name))
+
+        state = fitted_by_design(self.problem, path.state, without)
         error, model = self._error(state), before.model
         if model is not None and error > before.error:
             state, error = start(self.problem, model, free_parameters(model)), before.error

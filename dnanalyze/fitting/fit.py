@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,6 +40,7 @@ from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
 from dnanalyze.fitting.state import State, loss, root_weights, start, unseen
 from dnanalyze.fitting.ties import TRANSFER, misfits
+from dnanalyze.fitting.yardstick import fitted_by_design
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
 from dnanalyze.model.effect import Effect
@@ -227,9 +228,8 @@ def fit_on(
     model = with_seed(problem, model, seed) or paper_start(problem)
     _check(frozen, model)
     model = at_measured_parameters(problem, model, frozen)
-    state = converge(
-        problem, start(problem, model, free_parameters(model, frozen)), on_state=on_state
-    )
+    begun = start(problem, model, free_parameters(model, frozen))
+    state = fitted_by_design(problem, begun, partial(converge, on_state=on_state))
     return replace(with_uncertainties(problem, state, replicates), captures=captures)
 
 

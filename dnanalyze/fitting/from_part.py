@@ -20,6 +20,7 @@ from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.restart import restarted
 from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
+from dnanalyze.fitting.yardstick import by_design, expressed
 from dnanalyze.model.noise_model import NoiseModel
 
 FIT_STEPS = 6  # of a fit between two computations of the derivatives
@@ -31,7 +32,7 @@ SETTLED = 2.0
 def fitted(
     problem: FitProblem, model: NoiseModel, fit: Callable[[FitProblem, State], State] = minimise
 ) -> State:
-    """A model fitted to the part first, where it may be.
+    """A model fitted to the part first, where it may be, by the yardstick of its initial values.
 
     Parameters
     ----------
@@ -42,9 +43,12 @@ def fitted(
         What is done on either field.
     """
     part = part_for(problem, model)
+    near = by_design(part or problem, model)
+    state = fit(near, start(near, model, free_parameters(model)))
     if part is None:
-        return fit(problem, start(problem, model, free_parameters(model)))
-    return fit(problem, carried(fitted(part, model, fit), part, problem))
+        return expressed(state, near, problem)
+    there = problem.scaled_as(near)
+    return expressed(fit(there, carried(state, near, there)), there, problem)
 
 
 def fitted_in_time(problem: FitProblem, model: NoiseModel) -> State:

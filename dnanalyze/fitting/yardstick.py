@@ -9,6 +9,7 @@ shows in one measured sensor as structure. Simulated sensors of the model tell b
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -47,6 +48,18 @@ def measured_by(problem: FitProblem, state: State) -> tuple[FitProblem, State]:
     """
     there = by_design(problem, state.model)
     return there, expressed(state, problem, there)
+
+
+def fitted_by_design(
+    problem: FitProblem, state: State, fit: Callable[[FitProblem, State], State]
+) -> State:
+    """A fit by the yardstick of the model with which it begins.
+
+    The model error is stated by that of a model, and so a fit lowers what is reported. ``state``,
+    and what is returned, are by the yardstick of ``problem``.
+    """
+    there, begun = measured_by(problem, state)
+    return expressed(fit(there, begun), there, problem)
 
 
 Pair = tuple[np.ndarray, np.ndarray]  # of the fitted and of the judged half
