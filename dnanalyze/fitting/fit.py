@@ -40,7 +40,7 @@ from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
 from dnanalyze.fitting.state import State, loss, root_weights, start, unseen
 from dnanalyze.fitting.ties import TRANSFER, misfits
-from dnanalyze.fitting.yardstick import fitted_by_design
+from dnanalyze.fitting.yardstick import fitted_by_design, misfit_share
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
 from dnanalyze.model.effect import Effect
@@ -340,6 +340,7 @@ def with_uncertainties(problem: FitProblem, state: State, replicates: int = REPL
             scale=None,
         ),
     )
+    fair = fair.weighted(misfit_share(fair.fitted_z(state.model)))
     jacobian = jacobian * (problem.train.reproducibility_sd / reproducibility_sd)[:, None]
     here = replace(start(fair, state.model, free), jacobian=jacobian)
     numbers = len(here.train)

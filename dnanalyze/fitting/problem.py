@@ -84,12 +84,13 @@ class FitProblem:
 
     def scaled_as(self, other: FitProblem) -> FitProblem:
         """This problem by the yardstick of another one, such as a part of the field."""
-        return self.scaled(
-            *(
-                h.scale_of(o)
-                for h, o in zip((self.train, self.test), (other.train, other.test), strict=True)
-            )
-        )
+        pairs = zip((self.train, self.test), (other.train, other.test), strict=True)
+        return self.scaled(*(h.scale_of(o) for h, o in pairs)).weighted(other.train.misfit)
+
+    def weighted(self, misfit: float) -> FitProblem:
+        """This problem with the weights of a loss of which a share is misfit, see `Target`."""
+        train, test = (replace(half, misfit=misfit) for half in (self.train, self.test))
+        return replace(self, train=train, test=test)
 
     def evened(self, model: NoiseModel) -> FitProblem:
         """This problem, without the half that is not wanted where the model lets it be left out.

@@ -56,6 +56,8 @@ class Target:
         left to the loss.
     scale : ndarray, optional
         Factor of ``stated`` by the yardstick of a model; 1 by default.
+    misfit : float
+        Share of the loss that is misfit of a model, not noise, see `weight`.
     """
 
     keys: tuple[Key, ...]
@@ -65,6 +67,7 @@ class Target:
     families: np.ndarray
     allowed: np.ndarray | None = None
     scale: np.ndarray | None = None
+    misfit: float = 1.0
 
     @cached_property
     def reproducibility_sd(self) -> np.ndarray:
@@ -125,9 +128,14 @@ class Target:
 
     @cached_property
     def weight(self) -> np.ndarray:
-        """Weight of each number in the loss, 1 in the mean: families count equally."""
+        """Weight of each number in the loss, 1 in the mean.
+
+        Noise is independent from number to number: each counts once (maximum likelihood). A misfit
+        is common to the numbers of a family: families count equally, as in the model error.
+        """
         _, which, count = np.unique(self.families, return_inverse=True, return_counts=True)
-        return np.asarray(which.size / (count.size * count))[which]
+        balanced = np.asarray(which.size / (count.size * count))[which]
+        return np.asarray(1.0 - self.misfit + self.misfit * balanced)
 
     @cached_property
     def setting(self) -> np.ndarray:
@@ -149,6 +157,7 @@ class Target:
             self.families[here],
             None if self.allowed is None else self.allowed[here],
             None if self.scale is None else self.scale[here],
+            self.misfit,
         )
 
     def rows_of(self, other: Target) -> np.ndarray:

@@ -35,10 +35,16 @@ LEAST_RATIO = 0.05  # of the stated error: less is none, of values that all repl
 
 
 def by_design(problem: FitProblem, model: NoiseModel) -> FitProblem:
-    """The fit problem with the reproducibility standard deviations of a model."""
+    """The fit problem with the reproducibility standard deviations of a model, and its weights."""
     drawn = [problem.replicate(model, r) for r in range(REPLICATES)]
     train, test = (np.array(half) for half in zip(*drawn, strict=True))
-    return problem.scaled(*scales((problem.train, problem.test), (train, test)))
+    there = problem.scaled(*scales((problem.train, problem.test), (train, test)))
+    return there.weighted(misfit_share(there.fitted_z(model)))
+
+
+def misfit_share(z: np.ndarray) -> float:
+    """Share of the loss that is misfit, not noise: of noise alone a number has a loss of 1."""
+    return 1.0 - 1.0 / max(1.0, loss(z) / len(z))
 
 
 def measured_by(problem: FitProblem, state: State) -> tuple[FitProblem, State]:
@@ -156,4 +162,5 @@ def expressed(state: State, there: FitProblem, here: FitProblem) -> State:
         jacobian=state.jacobian
         * (there.train.reproducibility_sd / here.train.reproducibility_sd)[:, None],
         bounds=here.train.bounds(loss(train, here.train.weight) / len(train)),
+        weight=here.train.weight,
     )

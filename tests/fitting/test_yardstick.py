@@ -15,7 +15,14 @@ from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.fitting.vectors import MISSING, Key, Target
-from dnanalyze.fitting.yardstick import REPLICATES, by_design, expressed, measured_by, scales
+from dnanalyze.fitting.yardstick import (
+    REPLICATES,
+    by_design,
+    expressed,
+    measured_by,
+    misfit_share,
+    scales,
+)
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow
 from dnanalyze.model.effects.flicker_fpn import FlickerFpn
@@ -155,3 +162,19 @@ def test_a_statistic_that_the_model_lacks_is_a_misfit_by_any_yardstick():
     assert z[0] == MISSING
     assert problem.expressed(z, problem.scaled(np.array([2.0, 2.0])))[0] == MISSING
     np.testing.assert_array_equal(problem.predicted(z), [np.nan, 0.5])
+
+
+@pytest.mark.parametrize(("z", "share"), [(0.0, 0.0), (1.0, 0.0), (2.0, 0.75), (4.0, 0.93)])
+def test_what_exceeds_a_loss_of_1_a_number_is_misfit(z, share):
+    assert misfit_share(np.full(50, z)) == pytest.approx(share, abs=0.02)
+
+
+def test_the_weights_are_equal_for_noise_and_equal_by_family_for_misfit():
+    families = np.array(["level", *["spectrum"] * 9])
+    keys = tuple(Key(0, "", f"n{i}") for i in range(10))
+    half = Target(keys, *np.zeros((3, 10)), families, misfit=0.0)
+    assert half.weight == pytest.approx(np.ones(10))
+    balanced = np.array([5.0, *[5.0 / 9.0] * 9])
+    assert replace(half, misfit=1.0).weight == pytest.approx(balanced)
+    assert replace(half, misfit=0.25).weight == pytest.approx(0.75 + 0.25 * balanced)
+    assert replace(half, misfit=0.25).only([0]).weight == pytest.approx(0.75 + 0.25 * balanced)
