@@ -181,7 +181,7 @@ def _at_their_optima(
     if leader.fitted_gain < LEAST_GAIN:
         return found
     near = without_denied(null.problem, leader, found, contenders(leader, found, promises))
-    if leader.evidence > EVIDENCE_DECISIVE * leader.overdispersion and len(near) == 1:
+    if significant(leader, EVIDENCE_DECISIVE) and len(near) == 1:
         return found
     like = derive(null.problem, leader.state, anew=True)
     made = []

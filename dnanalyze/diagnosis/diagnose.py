@@ -326,14 +326,14 @@ def _leader(
     if rival is not None:
         against = evidence_against(problem, rival.state, best.state, rival.effect, best.effect)
         told.evidence.extend([against] if against else [])
-    left = FittedModel.of(problem, best.state).unexplained
+    with_it = FittedModel.of(problem, best.state)
+    told, left = _ends_at(told, null, with_it), with_it.unexplained
     others = [t for t in tried if t is not best and significant(t)]
     second = next((t for t in others if null.corrects(left[:1], t.state)), None)
     if left and second is None and follow_up:
         ended = converge(problem, completed(problem, best), rounds=1, settled=DEFLATION, last=False)
         after = FittedModel.of(problem, ended)
-        left = after.unexplained
-        told = replace(told, error_after=after.error, explained=_explained(null.error, after.error))
+        told, left = _ends_at(told, null, after), after.unexplained
         open_to = candidates_of(after.state, known, [BASE])
         further = supported(after, trials(after, open_to)) if left else None
         if further is not None and after.corrects(left[:3], further.state):
@@ -350,6 +350,12 @@ def _leader(
     )
     sure = told.confidence * STANDS_IN
     return replace(told, confidence=sure, evidence=[*told.evidence, words], leaves=left), left
+
+
+def _ends_at(found: Candidate, null: FittedModel, after: FittedModel) -> Candidate:
+    """The candidate with the model error of the model with it, by that model's own yardstick."""
+    explained = _explained(null.error, after.error)
+    return replace(found, error_after=after.error, explained=explained)
 
 
 def unfinished(

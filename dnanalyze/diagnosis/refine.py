@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from dnanalyze.classifier.classify import classify_on
 from dnanalyze.diagnosis.diagnose import first_answer, judge
 from dnanalyze.diagnosis.explain import evidence_for
-from dnanalyze.diagnosis.gains import judged
+from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Refinement, Step
 from dnanalyze.diagnosis.score_test import score_tests
@@ -280,7 +280,7 @@ def add_on(
     seen = score_tests(null.problem, null.state, {name: kind})
     larger = seen[0].model if seen else model.with_effect(kind())
     begun = start(null.problem, larger, free_parameters(larger), like=null.state)
-    after = judged(null, name, converge(null.problem, begun))
+    after = judged_by_prediction(null, judged(null, name, converge(null.problem, begun)))
     ended = FittedModel.of(null.problem, after.state)
     yes = supported(null, [after]) is not None
     sure = confidence_of(after, [after]) * (1.0 if yes else STANDS_IN)

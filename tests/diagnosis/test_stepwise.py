@@ -29,6 +29,7 @@ from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import carried, start
+from dnanalyze.fitting.yardstick import fitted_by_design
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow
 from dnanalyze.model.effects.row_fpn import RowFpn
@@ -174,7 +175,7 @@ def test_an_effect_that_raises_the_error_is_not_taken(problem):
 def with_rows(problem):
     """A model with an effect, and its model error at its optimum."""
     state = fitted(problem, RowFpn())
-    return state, Search(problem, ROWS)._error(converge(problem, state))
+    return state, Search(problem, ROWS)._error(fitted_by_design(problem, state, converge))
 
 
 def test_an_effect_that_raises_the_error_at_the_optimum_is_taken_out(problem, with_rows):
