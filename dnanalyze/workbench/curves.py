@@ -118,7 +118,7 @@ def axes(address: Address, measured: Statistics) -> Axes | None:
     if address.family == "distribution":
         return Axes("dark value [DN]", "share per DN", False, True)
     if address.family == "tails":
-        return Axes("deviation [robust σ]", "share of pixels above", True, True)
+        return Axes("deviation [robust σ]", "share above", True, True)
     if address.name == "drift":
         return Axes("frame", "mean of the frame less the mean of all [DN]")
     return None
