@@ -103,7 +103,7 @@ def refitted_once(
     names = list(guesses)[:REFITS]
     if not names or known[names[0]].placing is not Placing.EVERYWHERE:
         return names, []
-    found = _refits(null, guesses, on_progress)
+    found = [t for t in _refits(null, guesses, on_progress) if _shown(null.problem, t)]
     return names, sorted(found, key=lambda t: -t.evidence)
 
 

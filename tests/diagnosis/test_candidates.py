@@ -146,4 +146,6 @@ def test_an_effect_that_the_captures_do_not_show_as_such_is_no_candidate(null):
 
     for kind in (ColumnFpn, Seen):
         assert [t.effect for t in trials(null, {"column_fpn": kind})] == ["column_fpn"]
+        assert [t.effect for t in refitted_once(null, {"column_fpn": kind})[1]] == ["column_fpn"]
     assert trials(null, {"column_fpn": Unseen}) == []
+    assert refitted_once(null, {"column_fpn": Unseen}) == (["column_fpn"], [])
