@@ -41,12 +41,13 @@ from dnanalyze.progress import ignored
 # Times its promise, which is that of two operating points, that a refit may gain; or as many times
 # as another of these refits has gained.
 GAIN_OVER_PROMISE = 6.0
-# Of a real CCD (st7_2013) a glow needs one weaker start and a gradient two; without them their
-# refits end 4,000 and 10,000 above the loss of the model without, with them 1,500 and 3,300 below.
+# Weaker starts at most, down to 1/512 of a guess. Without them the refits of a glow and a gradient
+# of a real CCD (st7_2013) end 4,000 and 10,000 above the loss of the model without, with them 1,500
+# and 3,300 below.
 STARTS = 3
-# Share of a strength by which one start is weaker than another at most: logarithms of statistics
-# are no straight lines farther. Column offsets from a guess of 27 times their size went to 0.08 of
-# it, where the statistics hardly move, and stayed there.
+# Least share of a strength from one start to the next: farther, the logarithms of the statistics
+# are no straight line. From 27 times their size, column offsets began at 0.08 of it, where the
+# statistics hardly move, and stayed there.
 WEAKER = 1.0 / 8.0
 NEAR = 0.5  # share of a guess: half and twice a strength are forms that are tried (`forms`)
 
@@ -232,9 +233,9 @@ def _begun(problem: FitProblem, guess: Guess, like: State) -> State:
     for _ in range(STARTS):
         effect = begun.model.get(guess.effect)
         share = along(like, like.train - begun.train).share
-        weaker = (
-            at_factor(effect, max(share, WEAKER)) if effect is not None and share < NEAR else None
-        )
+        if effect is None or share >= NEAR:
+            break
+        weaker = at_factor(effect, max(share, WEAKER))
         if weaker is None:
             break
         model = begun.model.with_effect(weaker)

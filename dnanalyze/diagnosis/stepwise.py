@@ -47,7 +47,7 @@ from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.time_limit import TimeLimit
-from dnanalyze.fitting.yardstick import expressed, fitted_by_design
+from dnanalyze.fitting.yardstick import expressed, fitted_by_design, measured_by
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE, BASELINE
 from dnanalyze.progress import ignored
@@ -450,12 +450,8 @@ class Search:
         """Without the last effect: refitted, or the model before it where that error is lower."""
         last, before = path.steps[-1], path.steps[-2]
         assert last.added is not None
-        name = last.added
-
-        def without(problem: FitProblem, state: State) -> State:
-            return converge(problem, removal(problem, state, name))
-
-        state = fitted_by_design(self.problem, path.state, without)
+        whole, state = measured_by(self.problem, path.state)
+        state = expressed(converge(whole, removal(whole, state, last.added)), whole, self.problem)
         error, model = self._error(state), before.model
         if model is not None and error > before.error:
             state, error = start(self.problem, model, free_parameters(model)), before.error

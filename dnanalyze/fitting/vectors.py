@@ -57,7 +57,8 @@ class Target:
     scale : ndarray, optional
         Factor of ``stated`` by the yardstick of a model; 1 by default.
     misfit : float
-        Share of the loss that is misfit of a model, not noise, see `weight`.
+        Share of the loss that is misfit of a model, not noise, see `weight`; 1 before a model is
+        known.
     """
 
     keys: tuple[Key, ...]

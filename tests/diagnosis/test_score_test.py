@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.score_test import LONGEST, along, much_left, score_tests
+from dnanalyze.diagnosis.score_test import LONGEST, along, much_left, restricted, score_tests
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import fit_problem
-from dnanalyze.fitting.state import State, start
+from dnanalyze.fitting.state import State, deviance, start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import HALF_THE_VARIANCE, Effect
 from dnanalyze.model.laws import TableLaw
@@ -115,6 +115,14 @@ def test_the_promise_is_near_what_a_refit_brings():
     fell = state.loss - minimise(problem, begun, 6).loss
     # two of two operating points are simulated: all of what the refit sees
     assert first.promise == pytest.approx(fell, rel=0.15)
+
+
+def test_a_state_at_some_operating_points_keeps_the_weights_of_its_statistics(problem, state):
+    here = restricted(problem, state, [1])
+    which = problem.train.setting == 1
+    np.testing.assert_array_equal(here.weight, state.weight[which])
+    assert 0.0 < here.loss < state.loss
+    assert here.loss == pytest.approx(np.sum((state.weight * deviance(state.train))[which]))
 
 
 def test_the_least_loss_along_a_change_is_where_the_change_explains_the_misfits():

@@ -154,6 +154,19 @@ def test_a_state_keeps_its_model_and_its_misfit_in_units_of_the_statistics():
     np.testing.assert_allclose(state.jacobian * plain, moved.jacobian * scaled, atol=1e-9)
     back = expressed(moved, there, problem)
     np.testing.assert_allclose(back.train, state.train)
+    for on, seen in ((problem, state), (there, moved), (problem, back)):
+        np.testing.assert_array_equal(seen.weight, on.train.weight)
+
+
+def test_the_weights_come_with_the_yardstick():
+    """Of a model that is right nearly all is noise; of one that lacks half of the noise it is not.
+
+    A part of the field has those of the whole.
+    """
+    problem = fit_problem_of(of())
+    right, wrong = by_design(problem, of()), by_design(problem, NoiseModel((ReadNoise(2.0),), 64.0))
+    assert right.train.misfit == right.test.misfit < 0.5 < 0.9 < wrong.train.misfit
+    assert problem.scaled_as(wrong).train.misfit == wrong.train.misfit
 
 
 def test_a_statistic_that_the_model_lacks_is_a_misfit_by_any_yardstick():
