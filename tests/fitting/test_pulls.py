@@ -6,9 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import small_series as small
 from scipy.stats import f as fisher
 
-from dnanalyze.fitting.fit import Fit, fit
+from dnanalyze.fitting.fit import Fit, fit, with_uncertainties
+from dnanalyze.fitting.free_parameters import free_parameters
+from dnanalyze.fitting.state import start
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate
@@ -114,3 +117,13 @@ def test_paper_and_ten_effects_over_five_temperatures():
     column = next(p for p in found.parameters if p.name == "column_fpn.sigma")
     assert 0.5 / np.sqrt(160) < column.se / column.value < 3 / np.sqrt(160)
     assert np.all(np.abs(found.correlations) < 1 + 1e-9)
+
+
+def test_standard_errors_do_not_depend_on_the_weights_with_which_a_fit_began():
+    """They are those of the misfit that is left at its end."""
+    problem, model = small.fit_problem_of(), small.model()
+    state = start(problem, model, free_parameters(model))
+    one, other = (
+        with_uncertainties(problem.weighted(share), state, 4).parameters for share in (0.0, 1.0)
+    )
+    assert [p.se for p in one] == [p.se for p in other]
