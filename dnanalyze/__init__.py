@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from dnanalyze.detection.results import Detection
     from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose
     from dnanalyze.diagnosis.refine import Refinement, add, refine
-    from dnanalyze.diagnosis.stepwise import SearchLimits
+    from dnanalyze.diagnosis.search_path import SearchLimits
     from dnanalyze.errors import InputError
     from dnanalyze.estimate import Estimate
     from dnanalyze.fitting.fit import Fit, fit
@@ -123,7 +123,7 @@ _HOME = {
     "dnanalyze.detection.results": ("Detection",),
     "dnanalyze.diagnosis.diagnose": ("Diagnosis", "diagnose"),
     "dnanalyze.diagnosis.refine": ("Refinement", "add", "refine"),
-    "dnanalyze.diagnosis.stepwise": ("SearchLimits",),
+    "dnanalyze.diagnosis.search_path": ("SearchLimits",),
     "dnanalyze.errors": ("InputError",),
     "dnanalyze.estimate": ("Estimate",),
     "dnanalyze.fitting.fit": ("Fit", "fit"),

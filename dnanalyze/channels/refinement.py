@@ -14,7 +14,7 @@ from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose_on
 from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.refine import Refinement, add_on, refine_on
 from dnanalyze.diagnosis.results import Step
-from dnanalyze.diagnosis.stepwise import NO_LIMITS, SearchLimits
+from dnanalyze.diagnosis.search_path import NO_LIMITS, SearchLimits
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design

@@ -212,6 +212,33 @@ def refitted(problem: FitProblem, guess: Guess, like: State, wanted: float = mat
     return minimise(problem, carried(near, part, problem), FIT_STEPS, below=wanted)
 
 
+def refitted_beside(here: FittedModel, tried: Sequence[Trial]) -> list[Trial]:
+    """Trials of a model refitted in the model with one more effect; most evidence first.
+
+    Of these, the ones that have decisive evidence there. Filters are left to the tests for filters,
+    which `trials` makes.
+    """
+    least = here.state.loss - EVIDENCE_DECISIVE
+    made = [
+        judged(here, t.effect, _refitted_in(here.problem, here.state, t, least))
+        for t in tried
+        if t.effect not in FILTERS and here.state.model.get(t.effect) is None
+    ]
+    found = [t for t in made if significant(t, EVIDENCE_DECISIVE)]
+    return sorted(found, key=lambda t: -t.evidence)
+
+
+def _refitted_in(problem: FitProblem, state: State, found: Trial, least: float) -> State:
+    """The effect of a trial in another model, with the derivatives that either knows."""
+    effect = found.state.model.get(found.effect)
+    assert effect is not None
+    model = state.model.with_effect(effect)
+    begun = start(problem, model, free_parameters(model), like=state)
+    own = with_derivatives_of(begun, found.state).jacobian
+    known = np.where(np.isnan(begun.jacobian), own, begun.jacobian)
+    return minimise(problem, replace(begun, jacobian=known), FIT_STEPS, below=least)
+
+
 def _from_guess(problem: FitProblem, guess: Guess, like: State, wanted: float) -> State:
     """A refit on one field, with the derivatives of the model without where these carry over.
 

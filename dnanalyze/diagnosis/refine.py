@@ -15,8 +15,9 @@ from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Refinement, Step
 from dnanalyze.diagnosis.score_test import score_tests
+from dnanalyze.diagnosis.search_path import NO_LIMITS, Path, SearchLimits
 from dnanalyze.diagnosis.selection import STANDS_IN, confidence_of
-from dnanalyze.diagnosis.stepwise import NO_LIMITS, Path, Search, SearchLimits, supported
+from dnanalyze.diagnosis.stepwise import Search, supported
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.fit import fit_on, paper_start, with_seed
 from dnanalyze.fitting.free_parameters import free_parameters

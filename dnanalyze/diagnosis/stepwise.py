@@ -22,12 +22,26 @@ from dnanalyze.diagnosis.baseline import (
     lacks_baseline,
     new_in,
 )
-from dnanalyze.diagnosis.candidates import SoFar, candidates_of, refitted_once, trials
+from dnanalyze.diagnosis.candidates import (
+    SoFar,
+    candidates_of,
+    refitted_beside,
+    refitted_once,
+    trials,
+)
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.results import Step
+from dnanalyze.diagnosis.search_path import (
+    NO_LIMITS,
+    Addition,
+    Path,
+    SearchLimits,
+    descending,
+    falling,
+)
 from dnanalyze.diagnosis.selection import (
     DEFLATION,
     EVIDENCE_DECISIVE,
@@ -47,7 +61,7 @@ from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.time_limit import TimeLimit
-from dnanalyze.fitting.yardstick import expressed, fitted_by_design, measured_by
+from dnanalyze.fitting.yardstick import by_design, expressed, fitted_in, measured_by
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE, BASELINE
 from dnanalyze.progress import ignored
@@ -148,74 +162,6 @@ def swapped(
 
 
 @dataclass(frozen=True)
-class Path:
-    """A model and the steps that led to it.
-
-    ``dropped``: effects that were removed and are not added again. ``converged``: whether all
-    parameters are at their optimum, which waits for the end where much is missing. ``refused``:
-    effects with which the error of the present model would rise; a further effect in the model, or
-    a fit of all parameters, opens them again, since they then no longer fit its residual. ``open``:
-    candidates tried before all others: those of other statistics that were significant beside the
-    last one, and those with the largest score tests on a part of the field. At the end, ``tried``:
-    the candidates tested last, and ``best``: the significant one that a limit of the user kept out.
-    """
-
-    state: State
-    steps: tuple[Step, ...] = ()
-    dropped: tuple[str, ...] = ()
-    refused: tuple[str, ...] = ()
-    converged: bool = True
-    open: tuple[str, ...] = ()
-    tried: tuple[Trial, ...] = ()
-    best: Trial | None = None
-
-    @property
-    def error(self) -> float:
-        """Model error of the last step."""
-        return self.steps[-1].error
-
-
-def descending(steps: Sequence[Step]) -> list[Step]:
-    """The steps without those by which the model error rises, and with which it never falls.
-
-    A Wang 2025 model has tables of its own for every operating point; where much is missing, the
-    baseline effects describe a sensor worse until some of that is found. They then enter with the
-    first effect that takes the error below the one before, and share its error.
-    """
-    made: list[Step] = []
-    waiting: list[Step] = []
-    for step in steps:
-        rises = bool(made) and step.error > made[-1].error
-        if rises and (waiting or step.added in BASELINE):
-            waiting.append(step)
-            continue
-        words = f"it enters with {step.added}: without that the model error would rise"
-        made += [replace(w, error=step.error, evidence=[*w.evidence, words]) for w in waiting]
-        made.append(step)
-        waiting = []
-    return made
-
-
-@dataclass(frozen=True)
-class SearchLimits:
-    """When a search ends although further effects are detectable.
-
-    Parameters
-    ----------
-    max_effects : int, optional
-        Once this many effects were added to the baseline model; with 0 no others are tested.
-    until_error : float, optional
-        Once the model error is at or below this.
-    """
-
-    max_effects: int | None = None
-    until_error: float | None = None
-
-
-NO_LIMITS = SearchLimits()
-
-
-@dataclass(frozen=True)
 class Search:
     """A stepwise search and its limits.
 
@@ -260,7 +206,8 @@ class Search:
         if found.state is begun.state:
             return begun, replace(found, state=state)
         there = carried(found.state, coarse.problem, self.problem)
-        return begun, self._converged(replace(found, state=there, converged=False), checked=False)
+        near = self.problem.scaled_as(by_design(coarse.problem, found.state.model))
+        return begun, self._converged(replace(found, state=there, converged=False), near)
 
     def _begun(self, state: State) -> Path:
         """The starting model, noted and kept; whatever the time, since it is the least answer."""
@@ -328,12 +275,12 @@ class Search:
 
         ``null``: the model without either.
         """
-        state, error, why = self._made(null, best)
-        if error > path.error:
+        made = self._made(null, best, [best])
+        if made[-1].error > path.error:
             return None
         path = replace(path, tried=(best,))
         path = self._without(path, self._at_home(null.state, null), [gone])
-        return self._taken(path, best, state, error, why)
+        return self._taken(path, made)
 
     def _tested(self, path: Path, null: FittedModel) -> Path:
         """The candidates tested: those first that were significant beside the last one."""
@@ -375,37 +322,70 @@ class Search:
         return [n for n in state.model.names if n not in (*self.begun, *BASELINE)]
 
     def _with(self, path: Path, null: FittedModel, best: Trial, most: float) -> Path:
-        """One more effect, completed, and what is superfluous with it gone.
+        """The best candidate in the model, and others that stay decisive beside it.
 
         An effect with which the model error, each model by its own yardstick, would exceed
         ``most`` is not taken: it fits the residual of what else is missing.
         """
         if best.effect == BASE:
             return self._with_law(path, null, best, most)
-        state, error, why = self._made(null, best)
-        if error > most:
-            return replace(path, refused=(*path.refused, best.effect))
-        return self._taken(path, best, state, error, why)
+        made = self._made(null, best, path.tried, self._room(path))
+        if not falling([most, *(m.error for m in made)]):
+            made = made if len(made) == 1 else self._made(null, best, path.tried, 1)
+            if made[-1].error > most:
+                return replace(path, refused=(*path.refused, best.effect))
+        return self._taken(path, made)
 
-    def _made(self, null: FittedModel, best: Trial) -> tuple[State, float, list[str]]:
-        """The model with an effect completed, its error, and the evidence in words."""
-        state = completed(null.problem, best)
+    def _room(self, path: Path) -> float:
+        """How many effects more the user wants at most."""
+        most = self.limits.max_effects
+        return math.inf if most is None else most - len(self._added(path.state))
+
+    def _made(
+        self, null: FittedModel, best: Trial, tried: Sequence[Trial] = (), room: float = 1
+    ) -> list[Addition]:
+        """The best candidate in the model, then each that stays decisive beside those before it.
+
+        Each is completed; in the last model all is at its optimum. Errors are by the yardstick of
+        that.
+        """
+        problem = null.problem
+        made = [Addition(best, tried, completed(problem, best))]
+        rest = tried
+        while rest and len(made) < room:
+            rest = refitted_beside(FittedModel(problem, made[-1].state), rest)
+            if rest and beyond_doubt(rest[0], rest):
+                made.append(Addition(rest[0], rest, completed(problem, rest[0])))
+                rest = rest[1:]
+            else:
+                break
         if self.whole is None:  # that of a part is only where the fit of the whole field begins
-            state = converge(null.problem, state, rounds=1, settled=DEFLATION, last=False)
-        effect = type(state.model.get(best.effect))
-        why = evidence_for(null.problem, null.state, state, effect)  # type: ignore[arg-type]
-        state = self._at_home(state, null)
-        return state, self._error(state), why
+            ended = converge(problem, made[-1].state, rounds=1, settled=DEFLATION, last=False)
+            made[-1] = replace(made[-1], state=ended)
+        states = [null.state, *(m.state for m in made)]
+        errors = self._errors([self._at_home(s, null) for s in states[1:]])
+        why = []
+        for one, before in zip(made, states, strict=False):
+            effect = type(one.state.model.get(one.trial.effect))
+            why.append(evidence_for(problem, before, one.state, effect))  # type: ignore[arg-type]
+        return [
+            replace(one, state=self._at_home(one.state, null), error=error, evidence=told)
+            for one, error, told in zip(made, errors, why, strict=True)
+        ]
 
-    def _taken(
-        self, path: Path, best: Trial, state: State, error: float, why: Sequence[str]
-    ) -> Path:
-        """The step of an effect that is taken."""
-        tried = path.tried
-        sure, near = confidence_of(best, tried), competitors(best, tried)
-        path = self._noted(path, state, best.effect, sure, near, why, error)
-        beside = [t.effect for t in tried if significant(t) and apart(best, t)]
-        path = replace(path, refused=(), converged=False, open=tuple(beside))
+    def _taken(self, path: Path, made: Sequence[Addition]) -> Path:
+        """The steps of effects that are taken."""
+        first, names = made[0], [m.trial.effect for m in made]
+        for one in made:
+            found = one.trial
+            sure, near = confidence_of(found, one.tried), competitors(found, one.tried)
+            path = self._noted(path, one.state, found.effect, sure, near, one.evidence, one.error)
+        later = [
+            t.effect
+            for t in first.tried
+            if significant(t) and t.effect not in names and apart(first.trial, t)
+        ]
+        path = replace(path, refused=(), converged=False, open=tuple(later))
         self._kept(path)
         return path
 
@@ -417,20 +397,21 @@ class Search:
             self._kept(path)
         return path
 
-    def _converged(self, path: Path, checked: bool = True) -> Path:
+    def _converged(self, path: Path, near: FitProblem | None = None) -> Path:
         """Everything at its optimum, and what is then superfluous gone.
 
         The error of the last step, which the baseline effects share, is that of the new state; an
-        effect that raises it is taken out (`_undone`). ``checked``: whether a fit with which the
-        error rises is not taken. The loss of one simulated sensor has several minima along
-        parameters of which the fitted half shows little, such as those of a glow in a corner of the
-        other half.
+        effect that raises it is taken out (`_undone`). ``near``: the problem by the yardstick of a
+        part of the field, of the first fit to the whole of it. A later fit with which the error
+        rises is not taken: the loss of one simulated sensor has several minima along parameters of
+        which the fitted half shows little, such as those of a glow in a corner of the other half.
         """
         if path.converged:
             return path
-        state = fitted_by_design(self.problem, path.state, converge)
+        there = near or by_design(self.problem, path.state.model)
+        state = fitted_in(there, self.problem, path.state, converge)
         error, last = self._error(state), path.steps[-1]
-        if checked and way(path.error, error) == "rises":
+        if near is None and way(path.error, error) == "rises":
             state, error = path.state, path.error
         steps = [
             replace(s, error=error, model=state.model)
@@ -493,11 +474,16 @@ class Search:
 
     def _error(self, state: State) -> float:
         """Model error by the yardstick of the model itself."""
-        own = FittedModel.of(self.problem, state)
+        return self._errors([state])[0]
+
+    def _errors(self, states: Sequence[State]) -> list[float]:
+        """Model errors by the yardstick of the last of the models."""
+        own = FittedModel.of(self.problem, states[-1])
         if self.whole is None:
-            return own.error
+            rest = [expressed(s, self.problem, own.problem) for s in states[:-1]]
+            return [*(error_of(own.problem, s) for s in rest), own.error]
         there = self.whole.scaled_as(own.problem)
-        return error_of(there, carried(own.state, own.problem, there))
+        return [error_of(there, carried(s, self.problem, there)) for s in states]
 
     def _at_home(self, state: State, null: FittedModel) -> State:
         """A state that was fitted by the yardstick of ``null``, in that of the frames."""

@@ -64,8 +64,14 @@ def fitted_by_design(
     The model error is stated by that of a model, and so a fit lowers what is reported. ``state``,
     and what is returned, are by the yardstick of ``problem``.
     """
-    there, begun = measured_by(problem, state)
-    return expressed(fit(there, begun), there, problem)
+    return fitted_in(by_design(problem, state.model), problem, state, fit)
+
+
+def fitted_in(
+    there: FitProblem, problem: FitProblem, state: State, fit: Callable[[FitProblem, State], State]
+) -> State:
+    """A fit by another yardstick than that of ``problem``, by which the state is stated."""
+    return expressed(fit(there, expressed(state, problem, there)), there, problem)
 
 
 Pair = tuple[np.ndarray, np.ndarray]  # of the fitted and of the judged half

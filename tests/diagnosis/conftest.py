@@ -5,7 +5,7 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.refine import refine_on
-from dnanalyze.diagnosis.stepwise import SearchLimits
+from dnanalyze.diagnosis.search_path import SearchLimits
 from dnanalyze.model.registry import BASE, BASELINE, built_in
 
 FEW = (BASE, *BASELINE, "row_fpn", "row_noise", "column_fpn")

@@ -7,7 +7,8 @@ import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start, lacks_baseline
-from dnanalyze.diagnosis.stepwise import Path, Search
+from dnanalyze.diagnosis.search_path import Path
+from dnanalyze.diagnosis.stepwise import Search
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.problem import fit_problem

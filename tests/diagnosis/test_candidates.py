@@ -1,19 +1,25 @@
 """Refits of candidates."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
-from dnanalyze.diagnosis.candidates import candidates_of, refitted, refitted_once, trials
+from dnanalyze.diagnosis.candidates import (
+    candidates_of,
+    refitted,
+    refitted_beside,
+    refitted_once,
+    trials,
+)
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import judged, judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.score_test import Guess
-from dnanalyze.diagnosis.selection import Trial, significant
+from dnanalyze.diagnosis.selection import EVIDENCE_DECISIVE, Trial, significant
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.loaders.captures import OperatingPoint, Window
@@ -53,6 +59,26 @@ def test_both_hidden_effects_are_refitted_and_significant(null):
     assert set(so_far.screened) <= set(ROWS)
     assert {t.effect for t in so_far.trials} == set(named)
     assert set(named) <= set(told)
+
+
+def test_what_is_decisive_beside_another_effect_stays_a_candidate(null):
+    """Column offsets beside row noise; with both in the model, row offsets are nothing."""
+    found = {t.effect: t for t in trials(null, of(*ROWS))}
+    assert {"row_noise", "column_fpn"} <= set(found)
+    here = FittedModel(null.problem, found["row_noise"].state)
+    column, *_ = refitted_beside(here, list(found.values()))
+    assert column.effect == "column_fpn"
+    assert {"row_noise", "column_fpn"} <= set(column.state.model.names)
+    assert column.state.loss < min(t.state.loss for t in found.values())
+    assert column.evidence > EVIDENCE_DECISIVE * column.overdispersion
+    done = FittedModel(null.problem, column.state)
+    assert refitted_beside(done, list(found.values())) == []
+
+
+def test_filters_are_left_to_their_tests(null):
+    (column,) = (t for t in trials(null, of("column_fpn")) if t.effect == "column_fpn")
+    assert refitted_beside(null, [column])
+    assert refitted_beside(null, [replace(column, effect="dpc")]) == []
 
 
 @pytest.mark.parametrize("times", [1.0, 30.0])

@@ -9,8 +9,8 @@ from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.diagnose import diagnose_on, judge
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.refine import refine_on
+from dnanalyze.diagnosis.search_path import SearchLimits
 from dnanalyze.diagnosis.selection import OUTSIDE
-from dnanalyze.diagnosis.stepwise import SearchLimits
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.free_parameters import free_parameters

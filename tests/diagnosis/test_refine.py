@@ -5,8 +5,8 @@ import math
 import pytest
 
 from dnanalyze.diagnosis.refine import add_on, refine_on
+from dnanalyze.diagnosis.search_path import SearchLimits
 from dnanalyze.diagnosis.selection import OUTSIDE, TOLERABLE
-from dnanalyze.diagnosis.stepwise import SearchLimits
 from dnanalyze.errors import InputError
 from dnanalyze.model.registry import BASE, BASELINE, WANG
 

@@ -11,17 +11,9 @@ from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.gains import judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.results import Step
+from dnanalyze.diagnosis.search_path import Path, SearchLimits
 from dnanalyze.diagnosis.selection import EVIDENCE_DECISIVE, EVIDENCE_NULL, EVIDENCE_ODDS_10, Trial
-from dnanalyze.diagnosis.stepwise import (
-    Path,
-    Search,
-    SearchLimits,
-    choose,
-    descending,
-    reduced,
-    supported,
-    swapped,
-)
+from dnanalyze.diagnosis.stepwise import Search, choose, reduced, supported, swapped
 from dnanalyze.fitting import design as designs
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
@@ -29,7 +21,7 @@ from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import carried, start
-from dnanalyze.fitting.yardstick import fitted_by_design
+from dnanalyze.fitting.yardstick import by_design, fitted_by_design
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow
 from dnanalyze.model.effects.row_fpn import RowFpn
@@ -207,7 +199,7 @@ def test_a_last_fit_with_which_the_error_rises_is_not_taken(problem, with_rows):
     assert path.state is state
     assert [s.error for s in path.steps] == [s.error for s in steps]
     assert path.converged
-    taken = Search(problem, ROWS)._converged(begun, checked=False)
+    taken = Search(problem, ROWS)._converged(begun, near=by_design(problem, state.model))
     assert taken.error == pytest.approx(error, rel=1e-9)
 
 
@@ -256,10 +248,51 @@ def test_what_is_far_off_is_searched_on_a_part_and_confirmed_on_the_whole(far, m
         assert len(state.train) == len(far.train.keys)
     assert path.error == pytest.approx(FittedModel.of(far, path.state).error)
     assert path.error < 1.3
-    # the first effect is stated as the part has it, with the error that it leaves on the whole, by
-    # the yardstick of the part: of 8 replicates, good to a quarter
-    assert told[1].error == pytest.approx(FittedModel.of(far, kept[1].state).error, rel=0.25)
+    # both are stated as the part has them, with the error that they leave on the whole, by the
+    # yardstick of the part: of 8 replicates, good to a quarter
+    assert told[2].error == pytest.approx(FittedModel.of(far, kept[1].state).error, rel=0.25)
     assert told[1].confidence > 0.9
+
+
+def test_effects_of_different_statistics_are_added_together(far):
+    """Rows and columns, 20 times the read noise each: one test of the candidates, two steps."""
+    known = {n: built_in()[n] for n in ("row_noise", "column_fpn")}
+    tested: list[str] = []
+    search = Search(far, known, on_progress=tested.append)
+    state = fitted(far)
+    null = FittedModel.of(far, state)
+    begun = search._tested(Path(state, (Step(None, null.error),)), null)
+    tested.clear()
+    path = search._with(begun, null, begun.best, math.inf)
+    assert {s.added for s in path.steps} == {None, *known}
+    assert tested == []
+    errors = [s.error for s in path.steps]
+    assert errors[0] > 2.0 * errors[1] > 4.0 * errors[2]
+    assert errors[2] == pytest.approx(FittedModel.of(far, path.state).error)
+    assert [set(s.model.names) - set(state.model.names) for s in path.steps[1:]] == [
+        {path.steps[1].added}, set(known),
+    ]  # fmt: skip
+    assert all(s.confidence > 0.9 for s in path.steps[1:])
+    assert path.open == ()
+    one = replace(search, limits=SearchLimits(max_effects=1))
+    assert len(one._with(begun, null, begun.best, math.inf).steps) == 2
+
+
+def test_where_effects_together_raise_the_error_the_first_is_added_alone(far, monkeypatch):
+    known = {n: built_in()[n] for n in ("row_noise", "column_fpn")}
+    search, state = Search(far, known), fitted(far)
+    null = FittedModel.of(far, state)
+    begun = search._tested(Path(state, (Step(None, null.error),)), null)
+    errors, asked = Search._errors, []
+
+    def rising(self, states):
+        asked.append(len(states))
+        return errors(self, states) if len(states) == 1 else [1.0, 2.0]
+
+    monkeypatch.setattr(Search, "_errors", rising)
+    path = search._with(begun, null, begun.best, math.inf)
+    assert asked == [2, 1]
+    assert [s.added for s in path.steps[1:]] == [begun.best.effect]
 
 
 def test_the_whole_field_begins_with_the_candidates_of_the_part(far):
@@ -272,21 +305,6 @@ def test_the_whole_field_begins_with_the_candidates_of_the_part(far):
     tested.clear()
     assert search._searched(path).steps == begun.steps
     assert set(tested) == set(path.open)  # one of them is significant: no other is tested
-
-
-def test_baseline_effects_that_raise_the_error_enter_with_the_first_that_lowers_it():
-    rising = [Step(None, 20.0), Step("read_noise", 30.0), Step("quantization", 30.0)]
-    assert descending(rising) == rising[:1]
-    found = [*rising, Step("column_taps", 24.0), Step("column_fpn", 8.0, 0.9), Step("rts", 3.0)]
-    steps = descending(found)
-    assert [s.added for s in steps] == [s.added for s in found]
-    assert [s.error for s in steps] == [20.0, 8.0, 8.0, 8.0, 8.0, 3.0]
-    assert "enters with column_fpn" in steps[1].evidence[-1]
-
-
-def test_falling_steps_stay_as_they_are():
-    falling = [Step(None, 4.0), Step("read_noise", 2.0), Step("column_fpn", 0.9)]
-    assert descending(falling) == falling
 
 
 def test_nothing_is_taken_with_which_the_model_error_would_rise(problem, null):

@@ -49,7 +49,7 @@ def refine(
     """
     from dnanalyze.diagnosis.refine import Refinement
     from dnanalyze.diagnosis.refine import refine_on as run
-    from dnanalyze.diagnosis.stepwise import SearchLimits
+    from dnanalyze.diagnosis.search_path import SearchLimits
     from dnanalyze.model.registry import find
     from dnanalyze.report import words
     from dnanalyze.report.results import refinement as report
