@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -73,8 +72,8 @@ class Addition:
     trial: Trial
     tried: Sequence[Trial]
     state: State
-    error: float = math.nan
-    evidence: Sequence[str] = ()
+    error: float
+    evidence: Sequence[str]
 
 
 def falling(errors: Sequence[float]) -> bool:

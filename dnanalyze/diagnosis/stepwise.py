@@ -330,10 +330,10 @@ class Search:
         if best.effect == BASE:
             return self._with_law(path, null, best, most)
         made = self._made(null, best, path.tried, self._room(path))
-        if not falling([most, *(m.error for m in made)]):
-            made = made if len(made) == 1 else self._made(null, best, path.tried, 1)
-            if made[-1].error > most:
-                return replace(path, refused=(*path.refused, best.effect))
+        if len(made) > 1 and not falling([most, *(m.error for m in made)]):
+            made = self._made(null, best, path.tried)
+        if made[-1].error > most:
+            return replace(path, refused=(*path.refused, best.effect))
         return self._taken(path, made)
 
     def _room(self, path: Path) -> float:
@@ -342,36 +342,31 @@ class Search:
         return math.inf if most is None else most - len(self._added(path.state))
 
     def _made(
-        self, null: FittedModel, best: Trial, tried: Sequence[Trial] = (), room: float = 1
+        self, null: FittedModel, best: Trial, tried: Sequence[Trial], room: float = 1
     ) -> list[Addition]:
         """The best candidate in the model, then each that stays decisive beside those before it.
 
         Each is completed; in the last model all is at its optimum. Errors are by the yardstick of
         that.
         """
-        problem = null.problem
-        made = [Addition(best, tried, completed(problem, best))]
-        rest = tried
-        while rest and len(made) < room:
-            rest = refitted_beside(FittedModel(problem, made[-1].state), rest)
-            if rest and beyond_doubt(rest[0], rest):
-                made.append(Addition(rest[0], rest, completed(problem, rest[0])))
-                rest = rest[1:]
-            else:
+        problem, rest = null.problem, tried
+        found, states = [(best, tried)], [completed(problem, best)]
+        while len(found) < room:
+            rest = refitted_beside(FittedModel(problem, states[-1]), rest)
+            if not rest or not beyond_doubt(rest[0], rest):
                 break
+            found.append((rest[0], rest))
+            states.append(completed(problem, rest[0]))
         if self.whole is None:  # that of a part is only where the fit of the whole field begins
-            ended = converge(problem, made[-1].state, rounds=1, settled=DEFLATION, last=False)
-            made[-1] = replace(made[-1], state=ended)
-        states = [null.state, *(m.state for m in made)]
-        errors = self._errors([self._at_home(s, null) for s in states[1:]])
-        why = []
-        for one, before in zip(made, states, strict=False):
-            effect = type(one.state.model.get(one.trial.effect))
-            why.append(evidence_for(problem, before, one.state, effect))  # type: ignore[arg-type]
-        return [
-            replace(one, state=self._at_home(one.state, null), error=error, evidence=told)
-            for one, error, told in zip(made, errors, why, strict=True)
-        ]
+            states[-1] = converge(problem, states[-1], rounds=1, settled=DEFLATION, last=False)
+        errors = self._errors([self._at_home(s, null) for s in states])
+        made, before = [], null.state
+        for (trial, among), state, error in zip(found, states, errors, strict=True):
+            effect = type(state.model.get(trial.effect))
+            why = evidence_for(problem, before, state, effect)  # type: ignore[arg-type]
+            made.append(Addition(trial, among, self._at_home(state, null), error, why))
+            before = state
+        return made
 
     def _taken(self, path: Path, made: Sequence[Addition]) -> Path:
         """The steps of effects that are taken."""
