@@ -15,6 +15,15 @@ settings.load_profile("untimed")
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Each process takes neighbouring tests, so that few fixtures of a module are made twice."""
+    from xdist.scheduler import WorkStealingScheduling
+
+    return WorkStealingScheduling(config, log)
+
+
 CAPTURES = Path(__file__).resolve().parents[2] / "shared" / "captures"
 
 

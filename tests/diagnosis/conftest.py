@@ -1,9 +1,8 @@
 """A sensor of the independent generator with stripes, and what it is asked for."""
 
-import numpy as np
 import pytest
+from striped import captures_with
 
-from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.diagnosis.search_path import SearchLimits
 from dnanalyze.model.registry import BASE, BASELINE, built_in
@@ -14,8 +13,7 @@ FEW = (BASE, *BASELINE, "row_fpn", "row_noise", "column_fpn")
 @pytest.fixture(scope="session")
 def striped():
     """Captures of a sensor with strong row FPN."""
-    sensor = draw_sensor(np.random.default_rng(11))
-    return generate(sensor, {"row_fpn": {"level": "strong"}}, (128, 128), frames=4, seed=3)
+    return captures_with({"row_fpn": "strong"})
 
 
 @pytest.fixture(scope="session")

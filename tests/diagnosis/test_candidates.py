@@ -3,10 +3,9 @@
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
 import pytest
+from striped import problem_with
 
-from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
 from dnanalyze.diagnosis.candidates import (
     candidates_of,
@@ -35,9 +34,7 @@ ROWS = ("row_fpn", "row_noise", "column_fpn")
 @pytest.fixture(scope="module")
 def null() -> FittedModel:
     """A sensor with row noise and column offsets, and its baseline model."""
-    hidden = {"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}}
-    drawn = draw_sensor(np.random.default_rng(11))
-    problem = fit_problem(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
+    problem = problem_with({"row_noise": "strong", "column_fpn": "strong"})
     return FittedModel(problem, baseline_fitted(problem, baseline_start(problem)))
 
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from striped import captures_with
 
-from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.diagnose import diagnose_on, judge
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.refine import refine_on
@@ -22,17 +22,16 @@ from dnanalyze.model.registry import BASE, BASELINE, WANG, built_in
 NEW = [n for n in BASELINE if n not in WANG]  # in a model of Wang 2025 that is rounded to codes
 FEW = (BASE, *BASELINE, "row_fpn", "row_noise", "column_fpn")
 KNOWN = {name: effect for name, effect in built_in().items() if name in FEW}
-SENSOR = draw_sensor(np.random.default_rng(11))
 
 
-def of(hidden):
-    captures = generate(SENSOR, hidden, (128, 128), frames=4, seed=3)
+def of(hidden, every=2):
+    captures = captures_with(hidden, every)
     return captures, fit_problem(design(captures))
 
 
 @pytest.fixture(scope="module")
 def rows():
-    return of({"row_fpn": {"level": "strong"}})
+    return of({"row_fpn": "strong"})
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +74,7 @@ def test_of_an_ordinary_sensor_only_what_every_sensor_has_is_missing():
 
 
 def test_of_two_hidden_effects_the_second_accounts_for_what_the_first_leaves():
-    captures, problem = of({"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}})
+    captures, problem = of({"row_noise": "strong", "column_fpn": "strong"})
     found = diagnose_on(captures, known=KNOWN, problem=problem)
     assert found.verdict == "missing"
     first = found.candidates[0]
@@ -87,7 +86,8 @@ def test_of_two_hidden_effects_the_second_accounts_for_what_the_first_leaves():
 
 
 def test_where_no_candidate_explains_the_rest_the_first_may_stand_in_for_another():
-    captures, problem = of({"row_noise": {"level": "strong"}, "column_fpn": {"level": "strong"}})
+    # at five temperatures what is left is plainly more than the row noise explains
+    captures, problem = of({"row_noise": "strong", "column_fpn": "strong"}, every=1)
     found = diagnose_on(captures, known=KNOWN, problem=problem, exclude=["column_fpn"])
     first = found.candidates[0]
     assert found.unexplained
@@ -165,9 +165,7 @@ def nearly_all_alike(captures):
 
 def test_a_setting_whose_frames_are_nearly_all_alike_is_diagnosed_too():
     """A filter may leave that little; warnings are errors here."""
-    problem = fit_problem(
-        design(nearly_all_alike(generate(SENSOR, {}, (128, 128), frames=4, seed=3)))
-    )
+    problem = fit_problem(design(nearly_all_alike(captures_with({}))))
     model = paper_start(problem)
     clues = Residual(problem, start(problem, model, free_parameters(model)))
     for effect in built_in().values():

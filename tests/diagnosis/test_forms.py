@@ -2,10 +2,9 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
+from striped import problem_with
 
-from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.forms import _promising, completed, in_best_form, preferred
 from dnanalyze.diagnosis.gains import judged
 from dnanalyze.diagnosis.predictive_check import FittedModel
@@ -65,9 +64,7 @@ def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
 
 
 def test_the_better_by_both_halves_is_preferred():
-    drawn = draw_sensor(np.random.default_rng(11))
-    hidden = {"row_fpn": {"level": "strong"}}
-    problem = fit_problem(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
+    problem = problem_with({"row_fpn": "strong"})
     without, right = (
         converge(problem, start(problem, m, free_parameters(m)))
         for m in (baseline_model(problem), baseline_model(problem).with_effect(RowFpn(1.0)))

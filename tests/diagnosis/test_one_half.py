@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from striped import SENSOR
 
-from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.demo import generate
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.loaders.captures import CaptureSet, Frame, Window
 from dnanalyze.model.effects.defect_lines import DefectLines
@@ -60,16 +61,15 @@ def with_a_bad_row(captures: CaptureSet, row: int, offset: float) -> CaptureSet:
 
 @pytest.mark.parametrize("row", [pytest.param(40, marks=pytest.mark.slow), 150])
 def test_one_bad_row_is_named_whichever_half_it_lies_in(row):
-    sensor = draw_sensor(np.random.default_rng(11))
-    plain = generate(sensor, {}, (192, 192), frames=4, seed=3)
-    offset = float(np.rint(2.0 * sensor.noise_dn))
+    plain = generate(SENSOR, {}, (192, 192), SENSOR.temperatures_c[::2], frames=4, seed=3)
+    offset = float(np.rint(2.0 * SENSOR.noise_dn))
     found = refine_on(with_a_bad_row(plain, row, offset), known=KNOWN)
     assert found.verdict == "adequate"
     assert [n for n in found.effects if n not in (BASE, *BASELINE)] == ["defect_lines"]
     named = found.model.get("defect_lines")
     assert named.axis == "rows"
     assert named.lines == (row,)
-    # of 20 frames of 192 pixels, beside pixel offsets and dark current
+    # of 12 frames of 192 pixels, beside pixel offsets and dark current
     assert named.sigma == pytest.approx(offset, rel=0.15)
     assert found.steps[-1].confidence > 0.9
     own = [k.effect == "defect_lines" for k in found.state.free]

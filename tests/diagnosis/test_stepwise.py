@@ -3,10 +3,9 @@
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
+from striped import problem_with
 
-from dnanalyze.demo import draw_sensor, generate
 from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.gains import judged_by_prediction
 from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
@@ -33,14 +32,9 @@ from dnanalyze.model.simulate import simulate
 ROWS = {"row_fpn": RowFpn, "row_noise": RowNoise}
 
 
-def made(hidden):
-    drawn = draw_sensor(np.random.default_rng(11))
-    return fit_problem(design(generate(drawn, hidden, (128, 128), frames=4, seed=3)))
-
-
 @pytest.fixture(scope="module")
 def problem():
-    return made({"row_fpn": {"level": "strong"}})
+    return problem_with({"row_fpn": "strong"})
 
 
 def fitted(problem, *effects):
@@ -118,7 +112,7 @@ def test_the_right_effect_stays(problem):
 
 
 def test_an_effect_at_a_wrong_place_is_guessed_again():
-    problem = made({"amp_glow": {"level": "strong", "corner": [1, 1]}})
+    problem = problem_with({"amp_glow": {"level": "strong", "corner": [1, 1]}})
     state = fitted(problem, AmpGlow(1.0, 0.1, location="n"))
     found = swapped(problem, state, ["amp_glow"], {}, lambda _: None)
     assert found is not None

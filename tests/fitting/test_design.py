@@ -21,9 +21,12 @@ BAYER = (("R", "G"), ("G", "B"))
 
 
 def captures(shape, temperatures=1, frames=2, cfa=None):
+    def load(window):
+        return np.zeros(shape if window is None else window.shape, np.uint16)
+
     def setting(number):
         point = OperatingPoint(20.0 + 10.0 * number, 1.0, 1.0)
-        empty = Frame("empty", point, lambda _: np.zeros(shape, np.uint16))
+        empty = Frame("empty", point, load)
         return Setting(point, (empty,) * frames)
 
     found = tuple(setting(n) for n in range(temperatures))

@@ -116,7 +116,9 @@ def test_they_are_nearly_those_of_the_whole_field(problem):
     assert np.all(likeness[plain] > 0.9)
 
 
-@pytest.mark.parametrize("seed", [5, 6, 7])
+@pytest.mark.parametrize(
+    "seed", [5, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (6, 7))]
+)
 def test_a_fit_from_the_part_ends_where_one_of_the_whole_does(problem, simulated, seed):
     begun = model(seed)
     free = free_parameters(begun)

@@ -10,7 +10,7 @@ import panel as pn
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.enlarge import enlarger
-from dnanalyze.workbench.page.parameters import ParameterRow, TableRow
+from dnanalyze.workbench.page.parameters import ParameterRow, TableRow, heading
 from dnanalyze.workbench.page.style import card, inner
 from dnanalyze.workbench.page.terms import plain_name
 from dnanalyze.workbench.sliders import Slider
@@ -107,7 +107,7 @@ class Model:
         self.list.objects = made
 
     def _parameters(self, sliders: list[Slider]) -> list[Any]:
-        """Rows of an effect; numbers over many operating points share one."""
+        """Rows of an effect; numbers of one parameter share a name, many of them one row."""
         groups: dict[str, list[Slider]] = {}
         for slider in sliders:
             groups.setdefault(slider.parameter.group, []).append(slider)
@@ -117,8 +117,11 @@ class Model:
                 table = TableRow(group, self.context.palette, self._move, self._pin)
                 self._tables[name] = table
                 made.append(table.view)
+            elif len(group) > 1:
+                made.append(heading(group, self.style))
+                made += [self._row(s, of_point=True) for s in group]
             else:
-                made += [self._row(s) for s in group]
+                made.append(self._row(group[0]))
         return made
 
     def _set(self, sliders: list[Slider]) -> None:
@@ -158,8 +161,8 @@ class Model:
             margin=(3, 0, 0, 0), sizing_mode="stretch_width",
         )  # fmt: skip
 
-    def _row(self, slider: Slider) -> Any:
-        row = ParameterRow(slider, self.style, self._move, self._pin)
+    def _row(self, slider: Slider, of_point: bool = False) -> Any:
+        row = ParameterRow(slider, self.style, self._move, self._pin, of_point)
         self._rows[slider.parameter.name] = row
         return row.view
 

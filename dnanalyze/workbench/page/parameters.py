@@ -46,10 +46,15 @@ class LiveSlider(pn.widgets.FloatSlider):
 
 
 class ParameterRow:
-    """One number of the model: name, slider, value, standard error, pin."""
+    """One number of the model: name, slider, value, standard error, pin.
 
-    def __init__(self, slider: Slider, style: list[str], move: Move, pin: Pin) -> None:
-        self._move, self._pinned = move, pin
+    Below a `heading`, ``of_point``, its name is the operating point alone.
+    """
+
+    def __init__(
+        self, slider: Slider, style: list[str], move: Move, pin: Pin, of_point: bool = False
+    ) -> None:
+        self._move, self._pinned, self._of_point = move, pin, of_point
         self._quiet = False
         self._value = math.nan
         self.slider = slider
@@ -108,9 +113,12 @@ class ParameterRow:
 
     def _name(self, slider: Slider) -> None:
         parameter = slider.parameter
-        unit = f" <span class=quiet>{html.escape(symbol(parameter.unit))}</span>"
         name = html.escape(unbroken(slider.label or parameter.name))
-        self.label.object = f"<span title='{html.escape(limits(parameter))}'>{name}{unit}</span>"
+        if self._of_point:
+            name = place(name)
+        else:
+            name += f" <span class=quiet>{html.escape(symbol(parameter.unit))}</span>"
+        self.label.object = f"<span title='{html.escape(limits(parameter))}'>{name}</span>"
 
     def _note(self, text: str, wrong: bool = False) -> None:
         kind = "wrong" if wrong else "quiet"
@@ -192,15 +200,10 @@ class TableRow:
         made.y_range.range_padding = 0.3
         every = max(1, -(-len(sliders) // 5))
         made.xaxis.ticker = FixedTicker(ticks=list(range(0, len(sliders), every)))
-        made.xaxis.major_label_overrides = {i: _place(s.label) for i, s in enumerate(self._sliders)}
-        self.row = ParameterRow(sliders[0], style, move, pin)
+        made.xaxis.major_label_overrides = {i: place(s.label) for i, s in enumerate(self._sliders)}
+        self.row = ParameterRow(sliders[0], style, move, pin, of_point=True)
         self.view = pn.Column(
-            pn.pane.HTML(
-                f"<b>{html.escape(parameter.parameter or parameter.effect)}</b> <span class=quiet>"
-                f"{html.escape(symbol(parameter.unit))} at {len(sliders)} operating points; a "
-                "click on a dot chooses one</span>",
-                stylesheets=style, margin=(3, 0, 0, 14),
-            ),
+            heading(sliders, style, "; a click on a dot chooses one"),
             pn.pane.Bokeh(made, margin=0, sizing_mode="stretch_width"),
             self.row.view, margin=0, sizing_mode="stretch_width",
         )  # fmt: skip
@@ -213,7 +216,7 @@ class TableRow:
         self._source.data = {
             "x": list(range(len(sliders))),
             "y": [s.value for s in sliders],
-            "where": [_place(s.label) for s in sliders],
+            "where": [place(s.label) for s in sliders],
             "text": [
                 shown_value(s.parameter, s.value) + unit_text(s.parameter.unit) for s in sliders
             ],
@@ -232,7 +235,17 @@ class TableRow:
             self.row.set(self._sliders[self._at])
 
 
-def _place(label: str) -> str:
+def heading(sliders: Sequence[Slider], style: list[str], hint: str = "") -> pn.pane.HTML:
+    """Name and unit of a parameter with a number for each operating point."""
+    parameter = sliders[0].parameter
+    return pn.pane.HTML(
+        f"<b>{html.escape(parameter.parameter or parameter.effect)}</b> <span class=quiet>"
+        f"{html.escape(symbol(parameter.unit))} at {len(sliders)} operating points{hint}</span>",
+        stylesheets=style, margin=(3, 0, 0, 14),
+    )  # fmt: skip
+
+
+def place(label: str) -> str:
     """Operating point of a label such as ``mu, 65 °C``."""
     return label.partition(", ")[2] or label
 

@@ -1,0 +1,24 @@
+"""One small sensor of the independent generator, with what is hidden in it."""
+
+import numpy as np
+
+from dnanalyze.demo import draw_sensor, generate
+from dnanalyze.fitting.design import design
+from dnanalyze.fitting.problem import FitProblem, fit_problem
+from dnanalyze.loaders.captures import CaptureSet
+
+SENSOR = draw_sensor(np.random.default_rng(11))
+
+
+def captures_with(hidden, every=2) -> CaptureSet:
+    """4 frames of 128 x 128 pixels at every second of the sensor's five temperatures.
+
+    The cost of a simulation is that of its operating points: three serve where their number is not
+    what is tested.
+    """
+    return generate(SENSOR, hidden, (128, 128), SENSOR.temperatures_c[::every], frames=4, seed=3)
+
+
+def problem_with(hidden) -> FitProblem:
+    """The fit problem of `captures_with`."""
+    return fit_problem(design(captures_with(hidden)))
