@@ -13,6 +13,10 @@ from typing import Any
 import pytest
 import yaml
 from page_driver import PATIENCE_S, Workbench, served
+from small_sensor import write_sensor
+
+import dnanalyze
+from dnanalyze.model.noise_model import NoiseModel
 
 pytest.importorskip("panel", reason="the extra workbench is not installed")
 api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
@@ -39,6 +43,18 @@ FLAGS = [
     "--no-sandbox", "--disable-gpu", "--disable-quic", "--disable-background-networking",
     "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A sensor of five temperatures, so that parameters share a plot on the page."""
+    return write_sensor(tmp_path_factory.mktemp("page") / "sensor", every=1)
+
+
+@pytest.fixture(scope="module")
+def fitted(folder: Path) -> NoiseModel:
+    """The Wang 2025 model, fitted to that sensor."""
+    return dnanalyze.fit(dnanalyze.load(str(folder)), replicates=0).model
 
 
 @pytest.fixture(scope="module")
