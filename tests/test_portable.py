@@ -22,10 +22,9 @@ for name in ("SIGKILL", "SIGHUP", "SIGALRM", "SIGUSR1", "pthread_kill", "setitim
     if hasattr(signal, name):
         delattr(signal, name)
 """
-MODEL = Path(__file__).parents[1] / "sample_configs" / "model.yaml"
-# The searches and fits in other processes: `pytest -p tests.without_posix`, a step of the checks.
 COMMANDS = [["inspect", "FOLDER"], ["analyze", "FOLDER", "--json=o.json", "--report=o.html"],
-            ["simulate", "made", "--model", str(MODEL), "--like", "FOLDER"]]  # fmt: skip
+            ["fit", "FOLDER", "-o", "m.yaml"], ["compare", "FOLDER", "--model", "m.yaml"],
+            ["simulate", "made", "--model", "m.yaml", "--like", "FOLDER"]]  # fmt: skip
 
 
 def run(lines, folder, **environment):
@@ -43,7 +42,8 @@ def folder(tmp_path):
     made = run(
         "from pathlib import Path\nfrom dnanalyze.demo import tiny\n"
         "from dnanalyze.loaders import write_captures\n"
-        "write_captures(tiny(), Path('captures'))",
+        "one = tiny().select(lambda point: point.temperature_c == 45.0)\n"
+        "write_captures(one, Path('captures'))",
         tmp_path,
     )
     assert made.returncode == 0, made.stderr
@@ -61,7 +61,7 @@ def test_commands_run_without_them_and_in_a_console_of_one_byte_a_character(fold
         assert made.returncode == 0, (command, made.stderr)
         assert b"Traceback" not in made.stderr
         made.stdout.decode("cp1252")
-    assert {"o.json", "o.html", "made"} <= {p.name for p in Path(folder).iterdir()}
+    assert {"o.json", "o.html", "m.yaml", "made"} <= {p.name for p in Path(folder).iterdir()}
 
 
 def test_processors_are_counted_with_and_without_the_affinity(monkeypatch):

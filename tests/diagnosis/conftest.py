@@ -1,7 +1,7 @@
 """A sensor of the independent generator with stripes, and what it is asked for."""
 
 import pytest
-from striped import captures_with
+from drawn_sensor import captures_with
 
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.diagnosis.search_path import SearchLimits

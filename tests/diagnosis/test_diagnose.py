@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from striped import captures_with
+from drawn_sensor import captures_with
 
 from dnanalyze.diagnosis.diagnose import diagnose_on, judge
 from dnanalyze.diagnosis.predictive_check import FittedModel

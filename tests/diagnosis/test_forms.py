@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from striped import problem_with
+from drawn_sensor import problem_with
 
 from dnanalyze.diagnosis.forms import _promising, completed, in_best_form, preferred
 from dnanalyze.diagnosis.gains import judged

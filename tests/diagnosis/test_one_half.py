@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from striped import SENSOR
+from drawn_sensor import SENSOR
 
 from dnanalyze.demo import generate
 from dnanalyze.diagnosis.refine import refine_on

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from striped import problem_with
+from drawn_sensor import problem_with
 
 from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.gains import judged_by_prediction

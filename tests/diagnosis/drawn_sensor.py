@@ -11,10 +11,9 @@ SENSOR = draw_sensor(np.random.default_rng(11))
 
 
 def captures_with(hidden, every=2) -> CaptureSet:
-    """4 frames of 128 x 128 pixels at every second of the sensor's five temperatures.
+    """4 frames of 128 x 128 pixels at each ``every``-th of the sensor's five temperatures.
 
-    The cost of a simulation is that of its operating points: three serve where their number is not
-    what is tested.
+    The cost of a simulation is proportional to the number of operating points.
     """
     return generate(SENSOR, hidden, (128, 128), SENSOR.temperatures_c[::every], frames=4, seed=3)
 
