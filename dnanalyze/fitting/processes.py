@@ -25,7 +25,7 @@ from threadpoolctl import threadpool_limits
 
 from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.executors import answer, submitted
-from dnanalyze.fitting.simulated import THREADS, Job, Part, room, shared
+from dnanalyze.fitting.simulated import SHARED_FROM_PIXELS, Job, Part, room, shared
 from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
@@ -36,10 +36,6 @@ MAX_PROCESSES = 15  # processes that are started; eight operating points have 16
 SHARES = 16  # of the work for an executor of unknown size: all halves of eight operating points
 ROOMS = 4  # workers of such an executor that are expected on one machine
 WARM = 64, 64  # pixels of what a worker simulates before it is asked
-# Pixels of a simulation from which a process is worth its start. With one, `compare` is 0.2 s
-# slower at 37,000 pixels and 2 s faster at 2 million.
-SHARED_FROM_PIXELS = 500_000
-
 
 Found = TypeVar("Found")
 
@@ -109,7 +105,7 @@ class Helpers:
         away = [bool(self._executors) and travels(job.model) for job in jobs]
         dealt = iter(self._dealt([j for j, goes in zip(jobs, away, strict=True) if goes], memo))
         return [
-            next(dealt) if goes else _taken([job], [job.parts()], memo, THREADS)[0]
+            next(dealt) if goes else _taken([job], [job.parts()], memo, job.threads)[0]
             for job, goes in zip(jobs, away, strict=True)
         ]
 

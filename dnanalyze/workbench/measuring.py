@@ -14,7 +14,7 @@ from threading import Event, RLock, Thread
 from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.processes import Helpers
-from dnanalyze.fitting.simulated import THREADS, Job, Part
+from dnanalyze.fitting.simulated import Job, Part
 from dnanalyze.fitting.yardstick import REPLICATES
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
@@ -63,7 +63,7 @@ class Interruptible(Helpers):
                 raise Superseded
             return job.statistics([part], memo)[0]
 
-        with ThreadPoolExecutor(THREADS) as pool:
+        with ThreadPoolExecutor(job.threads) as pool:
             return dict(zip(parts, pool.map(one, parts), strict=True))
 
 
