@@ -16,7 +16,7 @@ import numpy as np
 from dnanalyze.thermal import KELVIN, activation
 
 LEAST_RELATIVE = 0.02  # no law of a sensor holds better than that
-ENERGY, ENERGY_SPREAD = 0.65, 0.25  # eV, of dark currents; what a single temperature is spread by
+ENERGY = 0.65  # eV, of dark currents
 ENERGIES = (0.5, 0.65, 0.9, 1.2)
 
 

@@ -19,7 +19,7 @@ NEIGHBOURS = {
     24: [(y, x) for y in range(-2, 3) for x in range(-2, 3) if (y, x) != (0, 0)],
 }
 SPREAD = {8: 0.157, 12: 0.131, 24: 0.098}  # sd of either fraction x sqrt(pixels), by simulation
-BOTH, DIFFERENCE = 0.75, 1.5  # sd of their mean, of their difference, over that of one
+BOTH = 0.75  # sd of their mean over that of one
 
 
 @dataclass(frozen=True)
@@ -55,19 +55,9 @@ class Exceedance:
         return (self.neighbours + 1) * (self.above + self.below) / (2 * self.pixels)
 
     @property
-    def asymmetry(self) -> float:
-        """(n + 1)(P_min - P_max); positive where only hot pixels were corrected."""
-        return (self.neighbours + 1) * (self.below - self.above) / self.pixels
-
-    @property
     def se(self) -> float:
         """Standard error of ``extremes`` for exchangeable pixels."""
         return BOTH * (self.neighbours + 1) * SPREAD[self.neighbours] / float(np.sqrt(self.pixels))
-
-    @property
-    def asymmetry_se(self) -> float:
-        """Standard error of ``asymmetry`` for exchangeable pixels."""
-        return self.se * DIFFERENCE / BOTH
 
 
 def exceedance(images: np.ndarray, neighbours: int = 8) -> Exceedance:

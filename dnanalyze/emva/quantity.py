@@ -79,10 +79,6 @@ class Quantity(Estimated):
         se = math.hypot(self.se / factor.value, value * factor.se / factor.value)
         return known(kind, Value(value, se), self.note)
 
-    def noted(self, note: str) -> Quantity:
-        """The same with a note."""
-        return replace(self, note=note)
-
 
 def known(kind: Kind, value: Value, note: str = "") -> Quantity:
     """A quantity with this value and standard error, in its unit."""

@@ -9,9 +9,8 @@ import numpy as np
 TOLERANCE_C = 1.5  # where a capture does not say; dark current changes by 15 % over it
 GAP_RATIO = 10.0  # gap over the spread on either side of it, from which there are two set points
 FEWEST = 3  # readings on either side that show such a spread; of six normal ones 1 in 1e4 does
-ERROR_C = 0.2  # of a sensor's thermometer
-# The slope of ln R over 1/T is as wrong as the difference of the temperatures, sqrt(2) ERROR_C
-# over the span, whatever the activation energy: below this span by more than a tenth.
+# The slope of ln R over 1/T is as wrong as the difference of the temperatures, whatever the
+# activation energy: below this span by more than a tenth, with a thermometer that errs by 0.2 C.
 SLOPE_SPAN_C = 3.0
 ROUNDING_C = 1e-9  # C; rounding
 

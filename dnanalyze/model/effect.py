@@ -384,21 +384,6 @@ class Effect:
         """
         return []
 
-    def hot_signal(self, reference: OperatingPoint) -> HotSignal | None:
-        """Where it is extra dark signal in few pixels, what all effects of that kind have.
-
-        Parameters
-        ----------
-        reference : OperatingPoint
-            Where the model's numbers are stated.
-
-        Returns
-        -------
-        HotSignal or None
-            None for all other effects.
-        """
-        return None
-
     @classmethod
     def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """This effect with such an extra dark signal; several where it has kinds.

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 
-from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, Site
 from dnanalyze.model.laws import Law, scaled
 
@@ -33,11 +31,6 @@ class HotTail(Effect):
         factor = float(amplitude(ten, 0.0) / amplitude(ten, HEAVY))
         scale = scaled(self.scale, factor)
         return [replace(self, tail=HEAVY, scale=scale)]  # type: ignore[call-arg]
-
-    def typical_scale(self, reference: OperatingPoint) -> float:
-        """Mean of the exponential law with the same median, DN; a heavy tail may have none."""
-        like = float(amplitude(np.array(2.0), self.value("tail", reference))) / math.log(2.0)
-        return self.value("scale", reference) * like
 
     def scale_at(self, site: Site) -> float:
         """Scale of the signal at a site, DN: Arrhenius, in proportion to exposure and gain."""

@@ -106,12 +106,6 @@ class DarkCurrentSteps(Effect):
             step *= arrhenius(point.temperature_c, origin, self.value("ea_ev", point))
         return step * (point.exposure_over(reference) * point.gain_over(reference))
 
-    def hot_signal(self, reference: OperatingPoint) -> HotSignal:
-        """Of the pixels with an atom or more."""
-        number, ea_ev = self.value("mean_number", reference), self.value("ea_ev", reference)
-        fraction = -math.expm1(-number)
-        return HotSignal(fraction, self.value("step", reference) * number / fraction, ea_ev)
-
     @classmethod
     def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """Each hot pixel with one atom, and few with more."""

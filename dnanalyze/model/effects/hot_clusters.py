@@ -135,11 +135,6 @@ class HotClusters(HotTail):
         share = np.bincount((y * (2 * MAX_RADIUS + 1) + x).ravel()) / n**2
         return float((share**2).sum())
 
-    def hot_signal(self, reference: OperatingPoint) -> HotSignal:
-        """Of all members together."""
-        fraction = self.value("density", reference) * self.value("members", reference)
-        return HotSignal(fraction, self.typical_scale(reference), self.value("ea_ev", reference))
-
     @classmethod
     def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """As small and as large clusters."""

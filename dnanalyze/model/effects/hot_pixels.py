@@ -141,14 +141,6 @@ class HotPixels(HotTail):
             return self.value("scale", point) ** 2 * (p / (1 - 2 * s) - mean**2)
         return self.value("scale", point) ** 2 * (2 * mean / (1 - 2 * s) - mean**2)
 
-    def hot_signal(self, reference: OperatingPoint) -> HotSignal:
-        """Its fraction, scale and energy."""
-        fraction, ea_ev = self.value("fraction", reference), self.value("ea_ev", reference)
-        if self.law == "exponential":
-            return HotSignal(fraction, self.typical_scale(reference), ea_ev)
-        median = 2.0 ** self.value("tail", reference) if self.law == "power" else 1.0
-        return HotSignal(fraction, self.value("scale", reference) * median / math.log(2.0), ea_ev)
-
     @classmethod
     def of_hot_signal(cls, hot: HotSignal) -> list[Effect]:
         """An exponential population."""
