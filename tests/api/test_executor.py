@@ -85,5 +85,5 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_nothing(captures):
             os.kill(workers[0], signal.SIGTERM)
 
         counted = Counted(client.get_executor(), 20, kill)
-        assert same(dnanalyze.compare(captures, executor=counted), dnanalyze.compare(captures))
+        assert same(CALLS["fit"](captures, counted), CALLS["fit"](captures, None))
         assert counted.count > 20

@@ -47,7 +47,7 @@ def test_a_histogram_of_exact_halves_fits_its_factor(gain, offset):
     assert _misfit(inner, codes[0] + 5, float(gain), (phase - 5) % float(gain)) < 0.005
 
 
-def histogram(gain, mean, sigma, offset=64.0, pixels=384 * 384 * 6, seed=0):
+def histogram(gain, mean, sigma, offset=64.0, pixels=384 * 384 * 2, seed=0):
     rng = np.random.default_rng(seed)
     x = np.rint(rng.normal(mean, sigma, pixels))
     codes, counts = np.unique(np.rint((x - offset) * gain + offset), return_counts=True)

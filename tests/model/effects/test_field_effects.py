@@ -5,7 +5,7 @@ import pytest
 from charge_bench import HERE, LONG, LOUD, WARM, MadeUpClues, flat, frames, growth
 from readout_bench import Given
 from scipy import stats
-from scipy.ndimage import find_objects, label
+from scipy.ndimage import find_objects, label, sum_labels
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import PLACES, TOGETHER, AmpGlow
@@ -154,7 +154,7 @@ def test_longer_tracks_hold_more_charge_where_it_is_drawn_for_the_path(charge, s
         marked, count = label(y > 1e-3, np.ones((3, 3)))
         places = find_objects(marked)
         extents += [np.hypot(r.stop - r.start - 1, c.stop - c.start - 1) for r, c in places]
-        sums += [y[marked == n + 1].sum() for n in range(count)]
+        sums += list(sum_labels(y, marked, np.arange(1, count + 1)))
     away = np.array(extents) / np.mean(extents) - 1.0
     relative = np.array(sums) / np.mean(sums)
     # charge over length, both over their means: 0, or nearly 1; exponential charges scatter

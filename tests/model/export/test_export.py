@@ -124,15 +124,21 @@ def test_the_exported_function_draws_the_frames_of_simulate():
         assert frames.std() == pytest.approx(own.std(), rel=1e-3)
 
 
+def test_equal_points_have_equal_noise_however_they_are_typed():
+    draw = loaded(numpy_source(MODEL)).dark_frames
+    np.testing.assert_array_equal(
+        draw(45, 1, 1, "hcg", shape=(24, 32), frames=2),
+        draw(45.0, 1.0, 1.0, "hcg", shape=(24, 32), frames=2),
+    )
+
+
 @pytest.mark.parametrize("name", sorted(EFFECTS))
 def test_every_effect_has_a_numpy_form(name):
     others = [EFFECTS[n]() for n in ("convolved_lognormal", "read_noise") if n != name]
     model = NoiseModel((*others, EFFECTS[name]()), 64.0, P(25.0, 1.0, 1.0), 3)
     exported = loaded(numpy_source(model))
-    shape = (24, 32) if name in SLOW else (64, 48)
+    shape = (24, 32) if name in SLOW else (48, 40)
     frames = exported.dark_frames(45.0, 1.0, 1.0, shape=shape, frames=2)
-    whole = exported.dark_frames(45, 1, 1, shape=shape, frames=2)  # equal points, equal noise
-    np.testing.assert_array_equal(whole, frames)
     simulator = Simulator(model, shape)
     own = np.stack([simulator.frame(P(45.0, 1.0, 1.0), n) for n in range(2)])
     assert np.mean(np.abs(frames - own) > 2e-3 * np.abs(own)) < 5e-3
