@@ -63,8 +63,9 @@ def test_without_time_no_candidate_is_named(captures):
     assert found.candidates == []
 
 
-def test_time_enough_changes_nothing(captures):
-    free, limited = refine_on(captures), refine_on(captures, budget=PLENTY)
+def test_time_enough_changes_nothing(captures, known):
+    free = refine_on(captures, known=known)
+    limited = refine_on(captures, known=known, budget=PLENTY)
     assert limited.finished
     assert not limited.timed_out
     assert limited.steps == free.steps
