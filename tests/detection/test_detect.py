@@ -16,7 +16,7 @@ from virtual_sensor import BAYER, Traits, VirtualSensor, captures, from_stacks, 
 from dnanalyze.detection import detect
 from dnanalyze.detection.excess import standing_out
 
-SHAPE, SMALL = (256, 256), (192, 192)
+SHAPE = (256, 256)
 SERIES = (25.0, 55.0, 85.0)
 ORDINARY = Traits(gain=1.2, hot=2e-3)
 SAMPLES = Path(__file__).parents[3] / "shared" / "captures"
@@ -25,7 +25,7 @@ SAMPLES = Path(__file__).parents[3] / "shared" / "captures"
 @pytest.mark.parametrize("name", hidden.FILTERS)
 def test_each_filter_is_found_and_named(name):
     kind, run = hidden.FILTERS[name]
-    found = detect(captures(VirtualSensor(ORDINARY, SMALL, 1), SERIES, 6, run))
+    found = detect(captures(VirtualSensor(ORDINARY, SHAPE, 1), SERIES, 8, run))
     assert found.kind == kind
     assert found.filtered
     assert found.evidence
@@ -38,7 +38,7 @@ def test_each_filter_is_found_and_named(name):
 def test_filters_within_a_colour_are_found_on_a_mosaic(name):
     kind, run = hidden.FILTERS[name]
     sensor = VirtualSensor(replace(ORDINARY, plane_offset=4.0), (320, 320), 2)
-    found = detect(captures(sensor, SERIES, 6, hidden.in_planes(run), BAYER))
+    found = detect(captures(sensor, SERIES, 8, hidden.in_planes(run), BAYER))
     assert found.kind == kind
     assert found.estimate is not None
     assert found.estimate.view == "planes"
@@ -69,7 +69,7 @@ def test_unfiltered_sensors_are_left_in_peace(seed):
     ids=["crosstalk", "clusters", "1/f", "hum", "diagonal hum", "coarse", "mosaic", "glow"],
 )
 def test_nuisances_at_their_worst_are_not_filters(traits):
-    found = detect(captures(VirtualSensor(traits, SMALL, 3), SERIES, 6))
+    found = detect(captures(VirtualSensor(traits, SHAPE, 3), SERIES, 8))
     assert found.kind == "none", found.evidence
 
 

@@ -26,7 +26,7 @@ from dnanalyze.model.simulate import simulate
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "sample_configs"
-TEMPERATURES = (25.0, 65.0)
+TEMPERATURES = (25.0, 45.0, 65.0)
 
 
 @pytest.fixture(scope="module")
