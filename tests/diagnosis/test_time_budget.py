@@ -8,6 +8,7 @@ import pytest
 from dnanalyze.demo import tiny
 from dnanalyze.diagnosis.diagnose import diagnose_on
 from dnanalyze.diagnosis.refine import refine_on
+from dnanalyze.diagnosis.search_path import SearchLimits
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
@@ -64,8 +65,9 @@ def test_without_time_no_candidate_is_named(captures):
 
 
 def test_time_enough_changes_nothing(captures, known):
-    free = refine_on(captures, known=known)
-    limited = refine_on(captures, known=known, budget=PLENTY)
+    baseline = SearchLimits(max_effects=0)
+    free = refine_on(captures, known=known, limits=baseline)
+    limited = refine_on(captures, known=known, limits=baseline, budget=PLENTY)
     assert limited.finished
     assert not limited.timed_out
     assert limited.steps == free.steps
