@@ -70,7 +70,7 @@ def test_the_error_is_that_of_compare_and_of_the_copied_commands(
 
 
 def test_a_preview_is_near_the_full_error_and_says_so(session):
-    name = "convolved_lognormal.delta[2]"
+    name = "convolved_lognormal.delta[1]"
     value = next(s.value for s in session.sliders() if s.parameter.name == name)
     model = session.with_value(name, 1.5 * value)
     quick = session.preview(model)
@@ -88,7 +88,7 @@ def test_an_error_is_stated_at_once_and_is_exact_by_the_model_s_own_yardstick(se
     told = []
     before = session.evaluation
     session.listeners.append(lambda what: told.append((what, session.present.exact)))
-    session.set_value("convolved_lognormal.delta[2]", 1.0)
+    session.set_value("convolved_lognormal.delta[1]", 1.0)
     assert not session.present.exact
     assert session.evaluation.problem is before.problem
     assert np.isfinite(session.present.error)
@@ -101,9 +101,9 @@ def test_an_error_is_stated_at_once_and_is_exact_by_the_model_s_own_yardstick(se
 def test_moves_of_several_sliders_in_a_row_are_one_node(session):
     first = session.present.number
     session.set_value("pedestal", 80.0)
-    session.set_value("convolved_lognormal.delta[2]", 1.0)
+    session.set_value("convolved_lognormal.delta[1]", 1.0)
     session.set_value("pedestal", 81.0)
-    assert session.present.action == "set pedestal, convolved_lognormal.delta[2]"
+    assert session.present.action == "set pedestal, convolved_lognormal.delta[1]"
     assert session.present.parent == first
     session.undo()
     assert session.present.number == first
