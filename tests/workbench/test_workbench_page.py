@@ -15,9 +15,6 @@ import yaml
 from page_driver import PATIENCE_S, Workbench, served
 from small_sensor import write_sensor
 
-import dnanalyze
-from dnanalyze.model.noise_model import NoiseModel
-
 pytest.importorskip("panel", reason="the extra workbench is not installed")
 api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -46,15 +43,9 @@ FLAGS = [
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def series(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A sensor of five temperatures, so that parameters share a plot on the page."""
     return write_sensor(tmp_path_factory.mktemp("page") / "sensor", every=1)
-
-
-@pytest.fixture(scope="module")
-def fitted(folder: Path) -> NoiseModel:
-    """The Wang 2025 model, fitted to that sensor."""
-    return dnanalyze.fit(dnanalyze.load(str(folder)), replicates=0).model
 
 
 @pytest.fixture(scope="module")
@@ -66,8 +57,8 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="module")
-def address(folder) -> Iterator[str]:
-    with served(folder) as found:
+def address(series) -> Iterator[str]:
+    with served(series) as found:
         yield found
 
 
@@ -521,7 +512,7 @@ def test_an_effect_that_raises_under_its_slider_is_a_message(browser, folder, fi
     own, model = tmp_path / "own.py", tmp_path / "model.yaml"
     own.write_text(RAISING)
     with_own = fitted.to_plain()
-    with_own["effects"].append({"raising": {"size": 1.0}})
+    with_own["effects"].append({"raising": {"size": 1.4}})
     model.write_text(yaml.safe_dump(with_own))
     with served(folder, "--effects", str(own), "--model", str(model)) as address:
         bench = Workbench(browser, address)

@@ -26,7 +26,7 @@ def test_images_are_forgotten_beyond_the_memory(folder):
 
     pictures = Pictures(dnanalyze.load(str(folder)), memory=3 * 4 * 96 * 144)
     for number in range(6):
-        pictures.whole(View(setting=number % 3, frame=number // 3), None)
+        pictures.whole(View(setting=number % 2, frame=number // 2), None)
     assert len(pictures._held) == 3
 
 
