@@ -18,9 +18,9 @@ from dnanalyze.model.simulator import Simulator
 THREADS = 2  # parts taken at a time
 # Pixels of a simulation from which threads, or a process, are worth their cost. Most statistics are
 # small sums, for which threads of one process wait for each other: with two, a simulation takes 1.4
-# to 1.9 times as long at 18,000 pixels, about as long at 70,000 to 400,000, and .6 to .75 times as
-# long at .9 to 3 million. With a process more, `compare` is 0.2 s slower at 37,000 pixels and 2 s
-# faster at 2 million.
+# to 1.8 times as long at 18,000 to 41,000 pixels, about as long at 70,000 to 170,000, and .6 to .75
+# times as long at .9 to 3 million. With a process more, `compare` is 0.2 s slower at 37,000 pixels
+# and 2 s faster at 2 million.
 SHARED_FROM_PIXELS = 500_000
 FIELD_BYTES = 1 << 30
 CHARGE_BYTES = 1 << 28  # a few models' frames

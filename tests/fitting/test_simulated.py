@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 import small_series as small
 
-from dnanalyze.fitting.simulated import SHADING, WANTED, Job, shared
+from dnanalyze.fitting.simulated import (
+    SHADING,
+    SHARED_FROM_PIXELS,
+    THREADS,
+    WANTED,
+    Job,
+    shared,
+)
 from dnanalyze.loaders.captures import Sensor, Window
 
 SENSORS = 40
@@ -23,6 +30,18 @@ def test_shares_are_all_parts_once_and_nearly_alike(shares):
         assert [len(p) for p in parts] == [len(small.POINTS)] * 2
         for share in parts:  # either half of the field is in both shares
             assert {half for _, half in share} == {0, 1}
+
+
+@pytest.mark.parametrize(
+    ("even", "frames", "threads"), [(False, 1, THREADS), (True, 1, 1), (True, 2, THREADS)]
+)
+def test_threads_are_for_simulations_of_many_pixels(even, frames, threads):
+    """Those of one half alone where the other is not simulated."""
+    rows, columns = SHARED_FROM_PIXELS // 1000, 1000
+    halves = Window(0, rows // 2, 0, columns), Window(rows // 2, rows, 0, columns)
+    point = [(small.POINTS[0], frames)]
+    job = Job(small.model(), Sensor((rows, columns)), halves, point, half=0, even=even)
+    assert job.threads == threads
 
 
 @pytest.mark.parametrize("settings", [1, 4, 5, 8])
