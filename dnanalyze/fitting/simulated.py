@@ -17,10 +17,10 @@ from dnanalyze.model.simulator import Simulator
 
 THREADS = 2  # parts taken at a time
 # Pixels of a simulation from which threads, or a process, are worth their cost. Most statistics are
-# small sums, for which threads of one process wait for each other: with two, a simulation takes 1.4
-# to 1.8 times as long at 18,000 to 41,000 pixels, about as long at 70,000 to 170,000, and .6 to .75
-# times as long at .9 to 3 million. With a process more, `compare` is 0.2 s slower at 37,000 pixels
-# and 2 s faster at 2 million.
+# small sums, for which two threads of one process wait for each other: a simulation takes 1.56
+# times as long as with one at 18,000 pixels, 1.06 times at 390,000 and 0.85 times at 880,000
+# (benchmarks/thread_sizes.py). With a process more, `compare` is 0.2 s slower at 37,000 pixels and
+# 2 s faster at 2 million.
 SHARED_FROM_PIXELS = 500_000
 FIELD_BYTES = 1 << 30
 CHARGE_BYTES = 1 << 28  # a few models' frames

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-PATIENCE_S = 300.0  # a machine may be ten times slower than another; a page that is broken waits
+PATIENCE_S = 300.0  # several times what a page that works takes to open on a slow machine
 REST_S = 1.0  # between two states the error of the first is shown, and no task, for less
 
 

@@ -468,6 +468,8 @@ def test_the_same_hot_signal_is_as_much_in_as_many_pixels_whatever_its_kind(kind
     found = HotSignal(fraction=0.02, scale=40.0, ea_ev=0.4)
     for effect in kind.of_hot_signal(found):
         y = frames(effect, SHAPE)[0]
+        if kind is not HotClusters:
+            assert np.mean(y > 0) == pytest.approx(0.02, abs=5 * np.sqrt(0.02 / N))
         # members of clusters share pixels and come together: variance by the closed form
         most = np.sqrt(max(effect.variance(HERE), 2 * 0.02 * 40.0**2) * 8 / N)
         assert y.mean() == pytest.approx(0.02 * 40.0, abs=5 * most)
