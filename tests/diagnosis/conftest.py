@@ -25,4 +25,4 @@ def known():
 @pytest.fixture(scope="session")
 def ordinary(striped, known):
     """The refinement of ``striped`` that stopped before it added anything."""
-    return refine_on(striped, known=known, limits=SearchLimits(max_effects=0))
+    return refine_on(striped, known=known, limits=SearchLimits(max_effects=0), classifier=False)

@@ -136,8 +136,9 @@ def test_where_all_of_it_is_excluded_the_model_is_asked_as_it_is(rows):
     assert found.ordinary == []
     assert found.model.names == [BASE]
     assert not {c.effect for c in found.candidates} & set(BASELINE)
+    limits = SearchLimits(max_effects=0)
     kept = refine_on(
-        captures, known=KNOWN, problem=problem, exclude=BASELINE, limits=SearchLimits(0)
+        captures, known=KNOWN, problem=problem, exclude=BASELINE, limits=limits, classifier=False
     )
     assert kept.effects == [BASE]
 

@@ -22,7 +22,7 @@ def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, kno
     assert not any(k.finished for k in kept)
     assert [s.added for s in kept[-1].steps] == [s.added for s in whole.steps]
     assert all(math.isnan(p.se) for p in kept[-1].parameters)
-    rest = refine_on(striped, kept[1].model, known=known)
+    rest = refine_on(striped, kept[1].model, known=known, classifier=False)
     assert [s.added for s in rest.steps] == [None, "row_fpn"]
     assert set(rest.effects) == set(whole.effects)
     assert rest.steps[-1].error < TOLERABLE < rest.steps[0].error
@@ -51,7 +51,9 @@ def test_it_stops_where_it_is_told(striped, known, ordinary):
         known=known,
         exclude=["row_fpn"],
         limits=SearchLimits(until_error=0.01),
+        classifier=False,
     )
     assert "row_fpn" not in without.effects
-    enough = refine_on(striped, first.model, known=known, limits=SearchLimits(until_error=1e3))
+    limits = SearchLimits(until_error=1e3)
+    enough = refine_on(striped, first.model, known=known, limits=limits, classifier=False)
     assert len(enough.steps) == 1

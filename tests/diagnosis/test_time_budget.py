@@ -65,9 +65,9 @@ def test_without_time_no_candidate_is_named(captures):
 
 
 def test_time_enough_changes_nothing(captures, known):
-    baseline = SearchLimits(max_effects=0)
-    free = refine_on(captures, known=known, limits=baseline)
-    limited = refine_on(captures, known=known, limits=baseline, budget=PLENTY)
+    few = {"known": known, "limits": SearchLimits(max_effects=0), "classifier": False}
+    free = refine_on(captures, **few)
+    limited = refine_on(captures, **few, budget=PLENTY)
     assert limited.finished
     assert not limited.timed_out
     assert limited.steps == free.steps

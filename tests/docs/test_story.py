@@ -30,6 +30,7 @@ def run_commands(page, least):
         assert main(shlex.split(line)[1:]) == 0, line
 
 
+@pytest.mark.slow  # .ci/run runs it
 def test_readme_commands_run(sensor_folder, capsys):
     run_commands(tree.ROOT / "README.md", 1)
     assert "column_fpn" in capsys.readouterr().out

@@ -93,6 +93,7 @@ def workflow(folder):
     return codes, summary.read_text()
 
 
+@pytest.mark.slow  # .ci/run runs it
 def test_the_github_workflow_passes_and_fails_as_it_should(noise):
     codes, summary = workflow(noise)
     assert codes == [0, 0, 0]
@@ -118,6 +119,7 @@ def test_the_pre_commit_hook_runs(noise):
     assert not re.search(hook["files"], "noise/dark/T+025C/dark_000.npy")
 
 
+@pytest.mark.slow  # .ci/run runs it
 def test_the_commands_of_the_ci_page_run_as_written(noise, tmp_path):
     shutil.copytree(noise / "noise" / "dark", tmp_path / "noise" / "dark")
     blocks = re.findall(r"```bash\n(.*?)```", (ROOT / "docs" / "ci.md").read_text(), re.DOTALL)
