@@ -85,9 +85,14 @@ def evaluate(problem: FitProblem, model: NoiseModel) -> Evaluation:
     return exact(problem, judged(problem, model))
 
 
-def judged(problem: FitProblem, model: NoiseModel) -> Evaluation:
-    """The full comparison of a model by the yardstick of the problem, whatever model that is of."""
-    made = problem.statistics(model)
+def judged(
+    problem: FitProblem, model: NoiseModel, made: list[Statistics] | None = None
+) -> Evaluation:
+    """The full comparison of a model by the yardstick of the problem, whatever model that is of.
+
+    ``made``: the statistics of both simulated halves, where they are known.
+    """
+    made = made or problem.statistics(model)
     return _stated(problem, model, made[1], prediction(made, 1, problem.test))
 
 

@@ -139,12 +139,6 @@ class Worker:
         Thread(target=listen, daemon=True).start()
         return job
 
-    def warm(self) -> None:
-        """Begin the process before its first task."""
-        with self._lock:
-            self._begin()
-            self._rest_later()
-
     def _rest_later(self) -> None:
         if self._rest is not None:
             self._rest.cancel()

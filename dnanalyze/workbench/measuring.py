@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from threading import Event, RLock, Thread
 
-from dnanalyze.analyzers.statistics import SettingStatistics
+from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.processes import Helpers
 from dnanalyze.fitting.simulated import Job, Part
@@ -120,8 +120,10 @@ class Measurements:
                 return False
         return not self._closed.is_set()
 
-    def now(self, model: NoiseModel) -> Evaluation:
+    def now(self, model: NoiseModel, made: list[Statistics] | None = None) -> Evaluation:
         """A model's evaluation: exact where it is known, or else by the last model's yardstick.
+
+        ``made``: the statistics of both simulated halves, where they are known.
 
         Raises
         ------
@@ -131,7 +133,7 @@ class Measurements:
         with self._lock:
             found = next((e for e in self._kept if e.model == model), None)
         assert self._yardstick is not None
-        found = found or judged(self._yardstick, model)
+        found = found or judged(self._yardstick, model, made)
         self._keep(found)
         return found
 

@@ -9,7 +9,9 @@ import socket
 import warnings
 import webbrowser
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from threading import Lock
 from typing import Any
 
@@ -98,17 +100,23 @@ def serve(
         read.
     """
     captures = sources[0].captures()  # what cannot be read is told before a page is opened
-    try:
-        import panel as pn
-    except ImportError:
+    if find_spec("panel") is None:
         raise InputError(
             "workbench: Panel is not installed; pip install 'panel>=1.9,<2' 'bokeh>=3.9,<4'"
-        ) from None
+        )
+    port = _free(host, port)
+    with closing(Sessions(sources, model, captures)) as sessions:
+        sessions.get("")[1].begin()  # while Panel is imported and the browser starts
+        _serve(sessions, port, host, browser, say)
+
+
+def _serve(sessions: Sessions, port: int, host: str, browser: bool, say: Any) -> None:
+    import panel as pn
+
     from dnanalyze.workbench.page.app import page, style_sheet
 
-    sessions = Sessions(sources, model, captures)
+    sources = sessions.sources
     token = "" if host in LOOPBACK else secrets.token_urlsafe(24)
-    port = _free(host, port)
     pn.extension(notifications=False)
     # News for a page that is closed, and a browser's first words of a button: nothing for the user
     logging.getLogger("bokeh.server.views.ws").setLevel(logging.ERROR)
@@ -149,7 +157,6 @@ def serve(
     except KeyboardInterrupt:
         pass
     finally:
-        sessions.close()
         server.stop()
 
 

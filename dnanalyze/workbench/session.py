@@ -10,9 +10,7 @@ from threading import Condition, RLock, Thread
 from typing import Any
 
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.problem import FitProblem, fit_problem
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.loaders.code_unit import code_unit, in_codes
 from dnanalyze.model.effect import Effect
@@ -33,6 +31,7 @@ from dnanalyze.workbench.worker import Task
 Event = Callable[[str], None]
 FIELD_BYTES = 256 << 20  # of fields kept between full evaluations
 CHARGE_BYTES = 64 << 20
+DRAFT_REST = 4.0  # times what a draft of a fit took, before the next: the page has more to draw
 FADES_S = 5.0  # of a message that a task was cancelled
 MOVED = "set "  # begins the action of a node that a slider or a number field made
 REPLACED = ("fit", "add")  # tasks that set another model: the present one's yardstick can wait
@@ -104,6 +103,7 @@ class WorkbenchSession:
         self._measurements = Measurements(self._exact, self._inexact, self._replaced_soon)
         self._settled = Condition(self._lock)
         self._took: dict[str, float] = {}
+        self._next_draft_s = 0.0
 
     def changed(self, what: str) -> None:
         """Tell every listener what has changed."""
@@ -113,7 +113,7 @@ class WorkbenchSession:
     # Statistics and the starting model
 
     def begin(self) -> None:
-        """`prepare` in a thread, once; what is wrong becomes a message."""
+        """`prepare` in a thread, once unless it fails; what is wrong becomes a message."""
         with self._lock:
             begun, self._begun = self._begun, True
         if not begun:
@@ -122,10 +122,12 @@ class WorkbenchSession:
     def _prepare_or_tell(self) -> None:
         try:
             self.prepare()
+            return
         except InputError as error:
             self.tell(str(error))
         except Exception as error:  # an effect of the user's may raise anything
             self.tell(f"internal error: {type(error).__name__}: {error}")
+        self._begun = False  # the next page tries again
 
     @cached_property
     def pictured(self) -> CaptureSet:
@@ -143,27 +145,39 @@ class WorkbenchSession:
         self.pictures.clear()
 
     def prepare(self) -> None:
-        """Take the statistics and set the starting model; takes seconds."""
+        """Take the statistics and set the starting model; takes seconds.
+
+        The worker takes them, which fits by them next: the page is drawn meanwhile.
+
+        Raises
+        ------
+        InputError
+            The frames cannot be read, or the worker ended.
+        """
         self.stage = f"statistics of {plural(self.captures.frame_count, 'frame')}"
-        if self.model is None:
-            self.worker.warm()  # its start takes about as long as the statistics
+        answer: dict[str, Any] = {}
+        failed: list[str] = []
+        given = None if self.model is None else self.model.to_plain()
+        self.worker.start(Task("open", given), answer.update, failed.append).over.wait()
+        if failed:
+            raise InputError(failed[0])
+        if not answer:  # the server ends
+            return
         room = Memo(FIELD_BYTES, charge=Memo(CHARGE_BYTES))
-        found = fit_problem(design(self.captures)).with_memo(room)
+        found: FitProblem = answer["problem"].with_memo(room)
+        first = self.model or model_from_plain(answer["model"], "model", self.known)
         self._measurements.begin(found)
+        self._measurements.now(first, answer["simulated"])
         with self._lock:
             self.problem, self.stage = found, "error of the first model"
         self.changed("statistics")
-        if self.model is not None:
-            self._begin(self.model, "model as given", ())
-        else:
-            self._begin(paper_start(found), "Wang 2025 model, initial values", ())
-            self.fit()
-
-    def _begin(self, model: NoiseModel, action: str, command: tuple[str, ...]) -> None:
+        action = "Wang 2025 model, initial values" if self.model is None else "model as given"
         with self._lock:
-            self.history = History.begun(model, action, command)
+            self.history = History.begun(first, action, ())
         self.changed("history")
         self._measure()
+        if self.model is None:
+            self.fit()
 
     # The model
 
@@ -373,8 +387,12 @@ class WorkbenchSession:
         return self._run(Task("fit", base.model.to_plain(), frozen=frozen), done, step)
 
     def _drafted(self, base: Node, model: NoiseModel) -> None:
-        """Show where a fit stands, as a preview."""
+        """Show where a fit stands, as a preview, in a fifth of the time at most."""
+        began = time.monotonic()
+        if began < self._next_draft_s:
+            return
         found = self._prepared().evaluate(model)
+        self._next_draft_s = time.monotonic() + DRAFT_REST * (time.monotonic() - began)
         with self._lock:
             if self.present.number != base.number:
                 return
@@ -481,8 +499,10 @@ class WorkbenchSession:
         return self._run(Task("detect"), done)
 
     def cancel(self) -> None:
-        """End the task under way; nodes that it made stay."""
+        """End the task under way but for the opening; nodes that it made stay."""
         job = self.worker.job
+        if job is not None and job.task.kind == "open":
+            return
         self.worker.cancel()
         if self.draft is not None:
             self.draft = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import time
 from collections.abc import Callable
@@ -19,10 +20,12 @@ from dnanalyze.fitting.time_limit import BATCH, TimeLimit
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel, model_from_plain
+from dnanalyze.report.words import plural
 from dnanalyze.workbench.source import CaptureSource
 
 Tell = Callable[[str, Any], None]
 DRAFT_S = 1.5  # between two drafts of a fit: each costs the page a preview
+NICE = 5  # the page, its previews and the browser go first: a third of their share of a processor
 REPLICATES = 8  # simulated sensors for standard errors: 27 % of an error, 1 / sqrt(2 * 7)
 
 
@@ -32,7 +35,7 @@ class Task:
 
     Parameters
     ----------
-    kind : {"fit", "standard errors", "add", "diagnose", "refine", "detect"}
+    kind : {"open", "fit", "standard errors", "add", "diagnose", "refine", "detect"}
     model : mapping or None
         As in YAML; None: the starting model of the captures.
     effect : str
@@ -116,8 +119,22 @@ class Bed:
 
 
 def carried_out(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
-    """The result of a task as plain data: models as in YAML, everything else as in JSON."""
+    """The result of a task: models as in YAML, the rest as in JSON but for the fit problem."""
     return _TASKS[task.kind](bed, task, tell)
+
+
+def _open(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
+    from dnanalyze.fitting.fit import paper_start
+
+    tell("progress", f"statistics of {plural(bed.captures.frame_count, 'frame')}")
+    model, problem = bed.model(task), bed.problem
+    tell("progress", "error of the first model")
+    model = model or paper_start(problem)
+    return {
+        "problem": problem,
+        "model": model.to_plain(),
+        "simulated": problem.statistics(model),
+    }
 
 
 def _fit(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
@@ -278,6 +295,7 @@ def _steps(steps: Any) -> list[dict[str, Any]]:
 
 
 _TASKS: dict[str, Callable[[Bed, Task, Tell], dict[str, Any]]] = {
+    "open": _open,
     "fit": _fit,
     "standard errors": _standard_errors,
     "add": _add,
@@ -295,6 +313,8 @@ def serve(pipe: Connection, source: CaptureSource) -> None:
     None in place of a task ends the work in the background.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server decides
+    if hasattr(os, "nice"):
+        os.nice(NICE)
     bed = Bed(source, pipe.poll)
     with suppress(Exception):  # met again, and told, by the first task
         bed.warm()

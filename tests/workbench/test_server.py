@@ -10,6 +10,7 @@ import pytest
 from dnanalyze.errors import InputError
 from dnanalyze.workbench.server import Sessions, named
 from dnanalyze.workbench.source import CaptureSource
+from dnanalyze.workbench.worker import Task
 
 
 @pytest.fixture
@@ -57,17 +58,18 @@ def test_a_worker_without_a_task_ends_and_the_last_page_ends_it_at_once(
     from dnanalyze.workbench.session import WorkbenchSession
 
     def begun() -> int:
-        session.worker.warm()
-        return session.worker._process.sentinel
+        job = session.worker.start(Task("open", fitted.to_plain()), lambda _: None, failed.append)
+        process = session.worker._process
+        assert job.over.wait(300)
+        return process.sentinel
 
     # not join() or is_alive(): of two threads that ask for one exit status, one is told "alive"
-    session = WorkbenchSession(CaptureSource(folder), fitted)
-    sentinel = begun()
+    session, failed = WorkbenchSession(CaptureSource(folder), fitted), []
     monkeypatch.setattr(jobs, "IDLE_S", 0.2)
-    session.worker.warm()
-    assert wait([sentinel], 60)
+    assert wait([begun()], 60)
     monkeypatch.setattr(jobs, "IDLE_S", 600.0)
     sentinel = begun()
     session.left()
     assert wait([sentinel], 60)
+    assert failed == []
     session.close()

@@ -16,6 +16,7 @@ from dnanalyze.workbench.verdict import Verdict, verdict
 
 TICK_MS = 250  # between two readings of a task's progress
 TASKS = {
+    "open": "Opening",
     "fit": "Fit",
     "add": "Adding",
     "diagnose": "Diagnosis",
@@ -133,7 +134,7 @@ class Strip:
         session.fade()
         job = session.worker.job
         busy = job is not None and not job.background
-        self.cancel.disabled = job is None
+        self.cancel.disabled = job is None or job.task.kind == "open"
         self.act.disabled = busy and not (self._said and self._said.action == "add")
         text = ""
         if job is not None:
