@@ -83,6 +83,23 @@ def test_a_second_page_begins_with_the_view_of_the_first(bench, browser, address
     other.page.close()
 
 
+def test_what_changes_together_is_laid_out_once(bench):
+    bench.settled()
+    count = """async () => {
+        let root = [...Bokeh.index.roots][0], count = 0;
+        const before = root.compute_layout;
+        root.compute_layout = function () { count += 1; return before.call(this); };
+        const frame = () => new Promise((done) => requestAnimationFrame(done));
+        await frame();
+        count = 0;
+        for (let i = 0; i < 5; i++) root.invalidate_layout();
+        await frame(); await frame();
+        delete root.compute_layout;
+        return count;
+    }"""
+    assert bench.page.evaluate(count) == 1
+
+
 def _drawn(bench: Workbench) -> dict[str, Any]:
     """The figure of a statistic as the browser has it."""
     return bench.page.evaluate(

@@ -111,6 +111,12 @@ class Address(JSComponent):
     _esm = Path(__file__).with_name("address.js").read_text(encoding="utf-8")
 
 
+class OneLayout(JSComponent):
+    """One layout of the page for all that changes between two frames of the screen."""
+
+    _esm = Path(__file__).with_name("layout.js").read_text(encoding="utf-8")
+
+
 def _all(context: Context) -> None:
     """Show a session as it is, when a page is opened or reloaded."""
     session = context.session
@@ -168,6 +174,7 @@ class TopBar:
             pn.layout.HSpacer(),
             pn.pane.HTML(link, stylesheets=style, margin=(8, 4, 0, 0)),
             Address(query=query, width=1, height=1, margin=0),
+            OneLayout(width=1, height=1, margin=0),
             sizing_mode="stretch_width", margin=0,
         )  # fmt: skip
 
