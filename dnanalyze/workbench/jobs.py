@@ -46,6 +46,11 @@ class Job:
     over: Event = field(default_factory=Event)
 
     @property
+    def cancellable(self) -> bool:
+        """Whether the user may end it: without the opening there is nothing to go on with."""
+        return self.task.kind != "open"
+
+    @property
     def elapsed_s(self) -> float:
         """Since its start."""
         return time.monotonic() - self.began

@@ -100,7 +100,7 @@ def serve(
         read.
     """
     captures = sources[0].captures()  # what cannot be read is told before a page is opened
-    if find_spec("panel") is None:
+    if find_spec("panel") is None or find_spec("bokeh") is None:
         raise InputError(
             "workbench: Panel is not installed; pip install 'panel>=1.9,<2' 'bokeh>=3.9,<4'"
         )

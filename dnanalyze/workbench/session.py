@@ -31,7 +31,6 @@ from dnanalyze.workbench.worker import Task
 Event = Callable[[str], None]
 FIELD_BYTES = 256 << 20  # of fields kept between full evaluations
 CHARGE_BYTES = 64 << 20
-DRAFT_REST = 4.0  # times what a draft of a fit took, before the next: the page has more to draw
 FADES_S = 5.0  # of a message that a task was cancelled
 MOVED = "set "  # begins the action of a node that a slider or a number field made
 REPLACED = ("fit", "add")  # tasks that set another model: the present one's yardstick can wait
@@ -100,10 +99,11 @@ class WorkbenchSession:
         self._begun = False
         self.listeners: list[Event] = []
         self._removed: dict[str, Effect] = {}
-        self._measurements = Measurements(self._exact, self._inexact, self._replaced_soon)
+        self._measurements = Measurements(
+            self._exact, lambda e: self.tell(f"{type(e).__name__}: {e}"), self._replaced_soon
+        )
         self._settled = Condition(self._lock)
         self._took: dict[str, float] = {}
-        self._next_draft_s = 0.0
 
     def changed(self, what: str) -> None:
         """Tell every listener what has changed."""
@@ -122,12 +122,11 @@ class WorkbenchSession:
     def _prepare_or_tell(self) -> None:
         try:
             self.prepare()
-            return
         except InputError as error:
             self.tell(str(error))
         except Exception as error:  # an effect of the user's may raise anything
             self.tell(f"internal error: {type(error).__name__}: {error}")
-        self._begun = False  # the next page tries again
+        self._begun = self.problem is not None  # or else the next page tries again
 
     @cached_property
     def pictured(self) -> CaptureSet:
@@ -145,20 +144,19 @@ class WorkbenchSession:
         self.pictures.clear()
 
     def prepare(self) -> None:
-        """Take the statistics and set the starting model; takes seconds.
-
-        The worker takes them, which fits by them next: the page is drawn meanwhile.
+        """Take the statistics, in the worker, and set the starting model; takes seconds.
 
         Raises
         ------
         InputError
-            The frames cannot be read, or the worker ended.
+            The frames cannot be read, the worker ended, or another task is under way.
         """
         self.stage = f"statistics of {plural(self.captures.frame_count, 'frame')}"
         answer: dict[str, Any] = {}
         failed: list[str] = []
-        given = None if self.model is None else self.model.to_plain()
-        self.worker.start(Task("open", given), answer.update, failed.append).over.wait()
+        opening = Task("open", None if self.model is None else self.model.to_plain())
+        self._idle()
+        self.worker.start(opening, answer.update, failed.append).over.wait()
         if failed:
             raise InputError(failed[0])
         if not answer:  # the server ends
@@ -201,11 +199,6 @@ class WorkbenchSession:
     def with_value(self, name: str, value: float, model: NoiseModel | None = None) -> NoiseModel:
         """The present model, or another, with one number changed; see `sliders.with_value`."""
         return with_value(self.present.model if model is None else model, name, value)
-
-    def set_value(self, name: str, value: float) -> None:
-        """Change one number of the model: a new node."""
-        model = self.with_value(name, value)
-        self.adopt(model, f"set {name}")
 
     def adopt(self, model: NoiseModel, action: str) -> None:
         """A model that was set by hand as a new node."""
@@ -320,9 +313,6 @@ class WorkbenchSession:
         self.changed("yardstick" if present else "earlier")
         self._prepared()
 
-    def _inexact(self, error: Exception) -> None:
-        self.tell(f"{type(error).__name__}: {error}")
-
     def _stated(self, number: int, found: Evaluation) -> History:
         return self._history().measured(number, found.error, found.families, found.exact)
 
@@ -387,12 +377,8 @@ class WorkbenchSession:
         return self._run(Task("fit", base.model.to_plain(), frozen=frozen), done, step)
 
     def _drafted(self, base: Node, model: NoiseModel) -> None:
-        """Show where a fit stands, as a preview, in a fifth of the time at most."""
-        began = time.monotonic()
-        if began < self._next_draft_s:
-            return
+        """Show where a fit stands, as a preview."""
         found = self._prepared().evaluate(model)
-        self._next_draft_s = time.monotonic() + DRAFT_REST * (time.monotonic() - began)
         with self._lock:
             if self.present.number != base.number:
                 return
@@ -501,7 +487,7 @@ class WorkbenchSession:
     def cancel(self) -> None:
         """End the task under way but for the opening; nodes that it made stay."""
         job = self.worker.job
-        if job is not None and job.task.kind == "open":
+        if job is not None and not job.cancellable:
             return
         self.worker.cancel()
         if self.draft is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import time
 from collections.abc import Callable
@@ -20,12 +19,10 @@ from dnanalyze.fitting.time_limit import BATCH, TimeLimit
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.noise_model import NoiseModel, model_from_plain
-from dnanalyze.report.words import plural
 from dnanalyze.workbench.source import CaptureSource
 
 Tell = Callable[[str, Any], None]
 DRAFT_S = 1.5  # between two drafts of a fit: each costs the page a preview
-NICE = 5  # the page, its previews and the browser go first: a third of their share of a processor
 REPLICATES = 8  # simulated sensors for standard errors: 27 % of an error, 1 / sqrt(2 * 7)
 
 
@@ -119,14 +116,17 @@ class Bed:
 
 
 def carried_out(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
-    """The result of a task: models as in YAML, the rest as in JSON but for the fit problem."""
+    """The result of a task: models as in YAML, the rest as in JSON.
+
+    That of "open" holds the fit problem and the simulated statistics as they are.
+    """
     return _TASKS[task.kind](bed, task, tell)
 
 
 def _open(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.fitting.fit import paper_start
 
-    tell("progress", f"statistics of {plural(bed.captures.frame_count, 'frame')}")
+    tell("progress", "statistics")
     model, problem = bed.model(task), bed.problem
     tell("progress", "error of the first model")
     model = model or paper_start(problem)
@@ -313,8 +313,6 @@ def serve(pipe: Connection, source: CaptureSource) -> None:
     None in place of a task ends the work in the background.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the server decides
-    if hasattr(os, "nice"):
-        os.nice(NICE)
     bed = Bed(source, pipe.poll)
     with suppress(Exception):  # met again, and told, by the first task
         bed.warm()

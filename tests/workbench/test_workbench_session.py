@@ -1,4 +1,5 @@
 import json
+import shutil
 import subprocess
 import sys
 import time
@@ -23,6 +24,39 @@ def session(folder, fitted):
     made.prepare()
     assert made.settle()
     yield made
+    made.close()
+
+
+def set_value(session, name, value):
+    """As the page does when a slider rests."""
+    session.adopt(session.with_value(name, value), f"set {name}")
+
+
+def until(holds):
+    end = time.monotonic() + 300.0
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_what_could_not_be_opened_is_tried_again_and_an_opening_is_not_cancelled(
+    folder, fitted, tmp_path
+):
+    own = shutil.copytree(folder, tmp_path / "sensor")
+    made = WorkbenchSession(CaptureSource(own), fitted)
+    frame = sorted(own.rglob("*.tif"))[-1]
+    whole = frame.read_bytes()
+    frame.write_bytes(b"no image")
+    made.begin()
+    until(lambda: made.message and not made._begun)
+    assert frame.name in made.message
+    frame.write_bytes(whole)
+    made.begin()
+    until(lambda: made.worker.job)
+    made.cancel()
+    until(lambda: made.problem is not None)
+    made.begin()
+    assert made.worker.job is None  # once is enough
     made.close()
 
 
@@ -88,7 +122,7 @@ def test_an_error_is_stated_at_once_and_is_exact_by_the_model_s_own_yardstick(se
     told = []
     before = session.evaluation
     session.listeners.append(lambda what: told.append((what, session.present.exact)))
-    session.set_value("convolved_lognormal.delta[1]", 1.0)
+    set_value(session, "convolved_lognormal.delta[1]", 1.0)
     assert not session.present.exact
     assert session.evaluation.problem is before.problem
     assert np.isfinite(session.present.error)
@@ -100,9 +134,9 @@ def test_an_error_is_stated_at_once_and_is_exact_by_the_model_s_own_yardstick(se
 
 def test_moves_of_several_sliders_in_a_row_are_one_node(session):
     first = session.present.number
-    session.set_value("pedestal", 80.0)
-    session.set_value("convolved_lognormal.delta[1]", 1.0)
-    session.set_value("pedestal", 81.0)
+    set_value(session, "pedestal", 80.0)
+    set_value(session, "convolved_lognormal.delta[1]", 1.0)
+    set_value(session, "pedestal", 81.0)
     assert session.present.action == "set pedestal, convolved_lognormal.delta[1]"
     assert session.present.parent == first
     session.undo()
@@ -110,8 +144,8 @@ def test_moves_of_several_sliders_in_a_row_are_one_node(session):
 
 
 def test_a_model_that_is_left_gives_its_place_to_the_next_yardstick(session):
-    session.set_value("pedestal", 80.0)
-    session.set_value("pedestal", 70.0)
+    set_value(session, "pedestal", 80.0)
+    set_value(session, "pedestal", 70.0)
     assert session.settle()
     assert session.present.model.pedestal == 70.0
     session.undo()
@@ -133,10 +167,10 @@ def test_a_fit_under_way_shows_its_drafts_and_cancel_takes_them_back(session, mo
 
 def test_undo_branch_and_names_keep_everything(session):
     first = session.present.number
-    session.set_value("pedestal", 80.0)
+    set_value(session, "pedestal", 80.0)
     session.undo()
     assert session.present.number == first
-    session.set_value("pedestal", 70.0)
+    set_value(session, "pedestal", 70.0)
     session.name(session.present.number, "low pedestal")
     assert [n.model.pedestal for n in session.history.nodes][-2:] == [80.0, 70.0]
     assert session.present.title == "low pedestal"
@@ -158,7 +192,7 @@ def test_an_effect_is_taken_out_and_restored_with_its_numbers(session):
 
 def test_pinned_parameters_keep_their_values_in_a_fit(session):
     value = session.present.model.pedestal
-    session.set_value("pedestal", value + 0.5)
+    set_value(session, "pedestal", value + 0.5)
     session.pin("pedestal", True)
     session.fit().over.wait(120)
     assert session.present.model.pedestal == value + 0.5

@@ -114,7 +114,7 @@ class Address(JSComponent):
 class OneLayout(JSComponent):
     """One layout of the page for all that changes between two frames of the screen."""
 
-    _esm = Path(__file__).with_name("layout.js").read_text(encoding="utf-8")
+    _esm = Path(__file__).with_name("one_layout.js").read_text(encoding="utf-8")
 
 
 def _all(context: Context) -> None:

@@ -134,7 +134,7 @@ class Strip:
         session.fade()
         job = session.worker.job
         busy = job is not None and not job.background
-        self.cancel.disabled = job is None or job.task.kind == "open"
+        self.cancel.disabled = job is None or not job.cancellable
         self.act.disabled = busy and not (self._said and self._said.action == "add")
         text = ""
         if job is not None:
