@@ -9,6 +9,8 @@ import pytest
 import dnanalyze
 from dnanalyze.demo import tiny
 
+pytestmark = pytest.mark.search
+
 
 def one_point(seed=1):
     """One operating point: nothing here depends on their number."""

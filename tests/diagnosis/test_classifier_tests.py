@@ -18,6 +18,8 @@ from dnanalyze.model.effects.row_noise import RowNoise
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 
+pytestmark = pytest.mark.search
+
 POINTS = [(OperatingPoint(t, 1.0, 1.0), 3) for t in (25.0, 45.0)]
 EVIDENCE_DECISIVE = NoiseModel(
     (ReadNoise(4.0), PixelFpn(2.0), Quantization(12)), 64.0, POINTS[0][0], 1

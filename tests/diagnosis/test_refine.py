@@ -10,6 +10,8 @@ from dnanalyze.diagnosis.selection import OUTSIDE, TOLERABLE
 from dnanalyze.errors import InputError
 from dnanalyze.model.registry import BASE, BASELINE, WANG
 
+pytestmark = pytest.mark.search
+
 
 def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, known):
     kept, told = [], []

@@ -29,6 +29,8 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
 from dnanalyze.model.simulate import simulate
 
+pytestmark = pytest.mark.search
+
 ROWS = {"row_fpn": RowFpn, "row_noise": RowNoise}
 
 
