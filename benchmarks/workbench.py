@@ -148,6 +148,7 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
     with served(folder) as (process, address), sync_playwright() as play:
         browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         context = browser.new_context(viewport={"width": 1440, "height": 900})
+        context.set_default_timeout(300_000)
         page = context.new_page()
         page.goto(address)
         settled(page)  # statistics, compiled loops and scripts are in the caches now
@@ -216,6 +217,7 @@ def opened(folder: Path) -> None:
         for state in ("empty", "filled"):
             with served(folder) as (process, address):
                 page = browser.new_page(viewport={"width": 1440, "height": 900})
+                page.set_default_timeout(300_000)
                 begun = time.perf_counter()
                 page.goto(address)
                 took: dict[str, tuple[float, float]] = {}
@@ -229,9 +231,9 @@ def opened(folder: Path) -> None:
                     ("exact", page.locator(".error.exact")),
                 ):
                     if shown is None:
-                        page.wait_for_function(FRAMES, timeout=300_000)
+                        page.wait_for_function(FRAMES)
                     else:
-                        shown.first.wait_for(state="attached", timeout=300_000)
+                        shown.first.wait_for(state="attached")
                     took[what] = time.perf_counter() - begun, processor_s(process.pid) - spent
                 page.close()
             times = ", ".join(f"{k} {v:.1f} s ({cpu:.1f})" for k, (v, cpu) in took.items())
