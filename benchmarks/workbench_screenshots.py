@@ -35,7 +35,7 @@ def looked_at(page: Any, save: Callable[[str], None]) -> None:
     page.locator(".family").nth(1).click()
     after("family")
     enlarge = page.locator(".enlarge")
-    for number, name in ((1, "frames-large"), (2, "fails-large")):
+    for number, name in ((1, "frames-large"), (0, "fails-large")):
         enlarge.nth(number).click()
         after(name)
         enlarge.nth(number).click()
@@ -49,6 +49,7 @@ def looked_at(page: Any, save: Callable[[str], None]) -> None:
     row = page.locator(".row").first
     if row.count():
         row.hover()
+        page.wait_for_timeout(2 * DRAWN_MS)  # its curve is simulated first
     after("candidates")
     add = page.locator(".row").get_by_role("button", name="Add")
     if add.count():

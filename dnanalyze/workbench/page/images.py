@@ -251,7 +251,7 @@ class Images:
 
     def _head(self, picture: Picture) -> None:
         """Say what an image is of: single pixels or means of blocks."""
-        of = f", means of {picture.side} × {picture.side} pixels" if picture.side > 1 else ""
+        of = blocks(picture)
         for name, figure in self.figures.items():
             title = _title(name)
             far = picture.outliers.get(name)
@@ -259,6 +259,11 @@ class Images:
             text = f"{title} [DN]{of}{hot}"
             if figure.title.text != text:
                 figure.title.text = text
+
+
+def blocks(picture: Picture) -> str:
+    """What a value of a picture is the mean of, to follow a title."""
+    return f", means of {picture.side} × {picture.side} pixels" if picture.side > 1 else ""
 
 
 def _title(name: str) -> str:

@@ -24,7 +24,7 @@ from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.downloads import downloads
 from dnanalyze.workbench.page.enlarge import enlarger
 from dnanalyze.workbench.page.histogram import Histogram
-from dnanalyze.workbench.page.images import MAPS, NAMES, Grid, Images
+from dnanalyze.workbench.page.images import MAPS, NAMES, Grid, Images, blocks
 from dnanalyze.workbench.page.pixel import Pixel
 from dnanalyze.workbench.page.points import labelled, without_shared
 from dnanalyze.workbench.page.style import card, inner
@@ -365,10 +365,11 @@ class Sensor:
             image = picture.measured.copy()
             at = round(self.swipe.value * image.shape[1])
             image[:, at:] = picture.simulated[:, at:]
-            title.text = "measured | simulated [DN]"
+            title.text = f"measured | simulated [DN]{blocks(picture)}"
         else:
             image = picture.simulated if self._turned else picture.measured
-            title.text = f"{'simulated' if self._turned else 'measured'} [DN]"
+            shown = "simulated" if self._turned else "measured"
+            title.text = f"{shown} [DN]{blocks(picture)}"
         source = self.images.sources["measured"]
         source.data = {**source.data, "image": [np.asarray(image, np.float32)]}
 

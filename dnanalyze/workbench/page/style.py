@@ -57,7 +57,7 @@ def layout() -> str:
     return """
 :host { display:grid !important; gap:6px; padding:4px 6px 6px; min-height:100vh;
   box-sizing:border-box; grid-template-columns:minmax(0, 1fr) 372px 352px;
-  grid-template-rows:34px max-content clamp(290px, 34vh, 1000px) clamp(500px, 55vh, 1200px)
+  grid-template-rows:34px max-content clamp(290px, 34vh, 1000px) clamp(480px, 53vh, 1200px)
     minmax(210px, 1fr);
   grid-template-areas:'bar bar bar' 'strip strip strip' 'sensor sensor sensor'
     'fails model missing' 'history history history'; }
