@@ -8,6 +8,7 @@ import secrets
 import socket
 import warnings
 import webbrowser
+from asyncio import AbstractEventLoop
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -148,6 +149,7 @@ def _serve(sessions: Sessions, port: int, host: str, browser: bool, say: Any) ->
         show=False, start=False, check_unused_sessions_milliseconds=5000,
         unused_session_lifetime_milliseconds=15000,
     )  # fmt: skip
+    server.io_loop.asyncio_loop.set_exception_handler(unless_closed)
     say(address)
     if browser:
         webbrowser.open(address)
@@ -158,6 +160,14 @@ def _serve(sessions: Sessions, port: int, host: str, browser: bool, say: Any) ->
         pass
     finally:
         server.stop()
+
+
+def unless_closed(loop: AbstractEventLoop, context: dict[str, Any]) -> None:
+    """Report what went wrong in a loop, but for news on its way to a page that was closed."""
+    from tornado.websocket import WebSocketClosedError
+
+    if not isinstance(context.get("exception"), WebSocketClosedError):
+        loop.default_exception_handler(context)
 
 
 def named(source: CaptureSource, among: Sequence[CaptureSource]) -> str:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
 import shutil
+from contextlib import closing
 from multiprocessing.connection import wait
 
 import pytest
 
 from dnanalyze.errors import InputError
-from dnanalyze.workbench.server import Sessions, named
+from dnanalyze.workbench.server import Sessions, named, unless_closed
 from dnanalyze.workbench.source import CaptureSource
 from dnanalyze.workbench.worker import Task
 
@@ -73,3 +75,14 @@ def test_a_worker_without_a_task_ends_and_the_last_page_ends_it_at_once(
     assert wait([sentinel], 60)
     assert failed == []
     session.close()
+
+
+def test_news_for_a_closed_page_is_no_error_and_anything_else_is_one(caplog):
+    websocket = pytest.importorskip("tornado.websocket")
+    with closing(asyncio.new_event_loop()) as loop:
+        loop.set_exception_handler(unless_closed)
+        loop.call_exception_handler(
+            {"message": "of a closed page", "exception": websocket.WebSocketClosedError()}
+        )
+        loop.call_exception_handler({"message": "of the server", "exception": ValueError()})
+    assert [record.getMessage() for record in caplog.records] == ["of the server"]
