@@ -24,7 +24,7 @@ from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.downloads import downloads
 from dnanalyze.workbench.page.enlarge import enlarger
 from dnanalyze.workbench.page.figure import CurveFigure
-from dnanalyze.workbench.page.points import labelled, without_shared
+from dnanalyze.workbench.page.points import labelled, unbroken, without_shared
 from dnanalyze.workbench.page.style import Palette, card, inner
 from dnanalyze.workbench.page.terms import explained
 from dnanalyze.workbench.worst import worst_row
@@ -216,7 +216,7 @@ class Failures:
             row = made.setdefault(
                 r["name"],
                 {
-                    "title": html.escape(title) + explained(title),
+                    "title": html.escape(unbroken(title)) + explained(title),
                     "cells": [None] * len(points),
                 },
             )

@@ -24,12 +24,12 @@ def without_shared(labels: list[str]) -> list[str]:
 
 
 def unbroken(text: str) -> str:
-    """A text whose numbers stay on one line with their units.
+    """A text whose numbers stay on one line with their units, and a last one with its word.
 
     Examples
     --------
     >>> from dnanalyze.workbench.page.points import unbroken
-    >>> unbroken("mu, 65 °C, 0.05 s, gain 1") == "mu, 65\u00a0°C, 0.05\u00a0s, gain 1"
+    >>> unbroken("mu, 65 °C, 0.05 s, gain 1") == "mu, 65\u00a0°C, 0.05\u00a0s, gain\u00a01"
     True
     """
-    return re.sub(r"(?<=\d) (?=[^\W\d]|°)", "\u00a0", text)
+    return re.sub(r"(?<=\d) (?=[^\W\d]|°)|(?<=[^\W\d]) (?=\d+$)", "\u00a0", text)
