@@ -286,8 +286,11 @@ def test_pixels_are_square_in_an_enlarged_pane_and_after_it(bench, size):
 
 
 def test_frames_and_failures_are_seen_whole_on_a_page_of_900_pixels(bench):
-    bottom = "() => [...Bokeh.index.roots][0].child_views[2].el.getBoundingClientRect().bottom"
-    bench.until(lambda: 700 < bench.page.evaluate(bottom) <= 900, "the lower panes")
+    pane = "[...Bokeh.index.roots][0].child_views[2].el.getBoundingClientRect()"
+    bench.until(
+        lambda: 700 < bench.page.evaluate(f"() => scrollY + {pane}.bottom") <= 900,
+        "the lower panes",
+    )
 
 
 def test_one_image_alone_is_as_wide_as_three_and_side_by_side_comes_back(bench):
