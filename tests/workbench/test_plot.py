@@ -49,7 +49,7 @@ def test_axes_change_with_the_statistic_and_come_back(plot):
 
     plot.show(SPECTRUM, [], {"measured": curve(1.0)}, "spectrum")
     first = axes()
-    assert first[:4] == ["LogScale", "LogScale", "LogTicker", "LogTicker"]
+    assert first[:4] == ["LogScale", "LogScale", "CustomJSTicker", "CustomJSTicker"]
     plot.show(POINTS, LABELS, {"measured": curve(1.0)}, "points")
     assert axes()[:4] == ["LinearScale", "LinearScale", "FixedTicker", "BasicTicker"]
     assert list(plot.figure.xaxis[0].major_label_overrides) == [0, 1, 2, 3, 4]

@@ -117,9 +117,9 @@ def _drawn(bench: Workbench) -> dict[str, Any]:
 
 
 AXES = {  # of a family's figure: label of the abscissa, logarithmic scales, its ticks
-    "Spectrum": ("frequency", [True, True], "LogTicker"),
+    "Spectrum": ("frequency", [True, True], "CustomJSTicker"),
     "Distribution": ("dark value [DN]", [False, True], "BasicTicker"),
-    "Hot-pixel tail": ("deviation", [True, True], "LogTicker"),
+    "Hot-pixel tail": ("deviation", [True, True], "CustomJSTicker"),
     "Shading": ("operating point", [False, None], "FixedTicker"),
     "Neighbouring pixels": ("operating point", [False, None], "FixedTicker"),
 }
@@ -577,3 +577,21 @@ def test_another_host_shows_its_page_for_its_token_alone(browser, folder):
         page.goto(f"{bare}?token={token}")
         page.get_by_text("Where it fails").wait_for()
     page.close()
+
+
+@pytest.mark.parametrize("ends", [(0.0188, 0.566), (0.31, 0.42), (80, 1500), (3e-7, 0.2), (2, 9e7)])
+def test_labels_of_a_logarithmic_axis_are_the_values_of_its_ticks(browser, ends):
+    from dnanalyze.workbench.page.plot import LOG_LABEL, LOG_TICKS
+
+    run = """([ticks, label, start, end]) => new Function("cb_data", ticks)({start, end})
+      .map((t) => [t, new Function("tick", label)(t)])"""
+    page = browser.new_page()
+    found = page.evaluate(run, [LOG_TICKS, LOG_LABEL, *ends])
+    page.close()
+    assert 2 <= len(found) <= 9
+    plain = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+    for tick, label in found:
+        power = re.fullmatch("(?:([0-9.]+)·)?10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", label)
+        said = float(label if power is None else f"{power[1] or 1}e{power[2].translate(plain)}")
+        assert ends[0] <= tick <= ends[1]
+        assert said == pytest.approx(tick, rel=1e-6)
