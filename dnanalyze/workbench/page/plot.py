@@ -35,6 +35,7 @@ COLOURS = {"Wang 2025 model": "wang", "present model": "present", "candidate": "
 # 0.2 and 0.4 were called 10^-1 and 10^0.
 LOG_TICKS = """
 const [low, high] = [cb_data.start, cb_data.end].sort((a, b) => a - b);
+if (!(low > 0 && high < Infinity)) return [];  // between two axes
 const decades = Math.log10(high / low);
 const every = Math.max(1, Math.ceil(decades / 6));
 const mantissas = decades > 3 ? [1] : decades > 1 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8];
