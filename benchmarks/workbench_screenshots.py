@@ -2,9 +2,9 @@
 
     python benchmarks/workbench_screenshots.py OUT FOLDER ...
 
-Of each folder, or word of `workbench.py`, fifteen PNG files: the fitted page at four sizes, light
-and dark, and at 1440 x 900 a family of statistics, candidates, the page after an addition, and four
-views of the frames and the curves. Needs what `workbench.py` needs.
+Of each folder, or word of `workbench.py`, up to fifteen PNG files: the fitted page at four sizes,
+light and dark, and at 1440 x 900 a family of statistics, two enlarged panes, swipe, blink,
+candidates, and the page after an addition. Needs what `workbench.py` needs.
 """
 
 from __future__ import annotations
@@ -21,12 +21,21 @@ sys.path.insert(0, str(Path(__file__).parent))
 from workbench import FLAGS, VIRTUAL, served, settled
 
 SIZES = {"1440x900": (1440, 900), "1440x780": (1440, 780), "1024": (1024, 813), "4k": (3840, 2160)}
-PATIENCE_MS = 600_000.0
+PATIENCE_S = 600.0
 DRAWN_MS = 4000.0  # for the last picture, which follows the error
+Save = Callable[[str], None]
 
 
-def looked_at(page: Any, save: Callable[[str], None]) -> None:
-    """The page's states at one size."""
+def at_sizes(page: Any, save: Save) -> None:
+    """The fitted page at every size, at last at the first."""
+    for size, (width, height) in [*SIZES.items()][::-1]:
+        page.set_viewport_size({"width": width, "height": height})
+        page.wait_for_timeout(DRAWN_MS)
+        save(size)
+
+
+def in_states(page: Any, save: Save) -> None:
+    """Enlarged panes, views of the frames, candidates, and the page after an addition."""
 
     def after(name: str) -> None:
         page.wait_for_timeout(DRAWN_MS)
@@ -34,29 +43,28 @@ def looked_at(page: Any, save: Callable[[str], None]) -> None:
 
     page.locator(".family").nth(1).click()
     after("family")
-    enlarge = page.locator(".enlarge")
-    for number, name in ((1, "frames-large"), (0, "fails-large")):
-        enlarge.nth(number).click()
+    for number, name in enumerate(("fails-large", "frames-large")):
+        enlarge = page.locator(".enlarge").nth(number)
+        enlarge.click()
         after(name)
-        enlarge.nth(number).click()
+        enlarge.click()
     for name in ("swipe", "blink"):
         page.get_by_role("button", name=name, exact=True).click()
         after(name)
     page.get_by_role("button", name="side by side", exact=True).click()
     page.get_by_role("button", name="Diagnose").click()
     page.wait_for_timeout(DRAWN_MS)
-    settled(page, PATIENCE_MS / 1000)
-    row = page.locator(".row").first
-    if row.count():
-        row.hover()
-        page.wait_for_timeout(2 * DRAWN_MS)  # its curve is simulated first
+    settled(page, PATIENCE_S)
+    candidate = page.locator(".row").first
+    if not candidate.count():
+        return after("candidates")
+    candidate.hover()
+    page.wait_for_timeout(2 * DRAWN_MS)  # its curve is simulated first
     after("candidates")
-    add = page.locator(".row").get_by_role("button", name="Add")
-    if add.count():
-        add.first.click()
-        page.wait_for_timeout(DRAWN_MS)
-        settled(page, PATIENCE_MS / 1000)
-        page.mouse.move(5, 5)
+    candidate.get_by_role("button", name="Add").click()
+    page.wait_for_timeout(DRAWN_MS)
+    settled(page, PATIENCE_S)
+    page.mouse.move(5, 5)
     after("added")
 
 
@@ -66,23 +74,17 @@ def taken(folder: Path, into: Path, name: str) -> None:
 
     with served(folder) as (_, address), sync_playwright() as play:
         browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        page = browser.new_page(viewport={"width": 1440, "height": 900})
+        page.set_default_timeout(1000 * PATIENCE_S)
+
+        def save(what: str) -> None:
+            page.screenshot(path=str(into / f"{name}-{what}.png"))
+
         for theme in ("dark", "light"):
-            page = browser.new_page(viewport={"width": 1440, "height": 900})
-            page.set_default_timeout(PATIENCE_MS)
             page.goto(f"{address}?theme={theme}")
-            settled(page, PATIENCE_MS / 1000)
-
-            def save(what: str, of: Any = page) -> None:
-                of.screenshot(path=str(into / f"{name}-{what}.png"))
-
-            for size, (width, height) in SIZES.items():
-                page.set_viewport_size({"width": width, "height": height})
-                page.wait_for_timeout(DRAWN_MS)
-                save(f"{size}-{theme}")
-            if theme == "light":
-                page.set_viewport_size({"width": 1440, "height": 900})
-                looked_at(page, save)
-            page.close()
+            settled(page, PATIENCE_S)
+            at_sizes(page, lambda size, theme=theme: save(f"{size}-{theme}"))
+        in_states(page, save)
         browser.close()
 
 

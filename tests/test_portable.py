@@ -60,7 +60,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_commands_run_without_them_and_in_a_console_of_one_byte_a_character(folder):
     given = [["captures" if a == "FOLDER" else a for a in command] for command in COMMANDS]
     made = run(ONE_BY_ONE.format(given), folder, PYTHONIOENCODING="cp1252")

@@ -15,7 +15,7 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.loaders.code_unit import code_unit, in_codes
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.memo import Memo
-from dnanalyze.model.noise_model import NoiseModel, dump_model, model_from_plain
+from dnanalyze.model.noise_model import NoiseModel, model_from_plain
 from dnanalyze.model.registry import WANG, find
 from dnanalyze.report.words import plural
 from dnanalyze.workbench import recipe
@@ -568,27 +568,6 @@ class WorkbenchSession:
                 self.answers[self.history.at] = answer
         self.changed("history")
         self._measure()
-
-    # Results to take away
-
-    def yaml(self) -> str:
-        """The present model as a model file."""
-        return dump_model(self.present.model)
-
-    def report(self) -> str:
-        """The report of `compare` on the present model, one self-contained page."""
-        from dnanalyze.comparator.compare import compare_on
-        from dnanalyze.report.page import render
-        from dnanalyze.report.results.comparison import page
-
-        return render(page(compare_on(self.captures, self.present.model, problem=self.problem)))
-
-    def targets(self) -> str:
-        """Targets for `check`, from simulated sensors of the present model; takes seconds."""
-        from dnanalyze.checking.margins import propose
-        from dnanalyze.checking.targets import dump_targets
-
-        return dump_targets(propose(self.captures, self.present.model))
 
     def commands(self) -> str:
         """Shell commands that design the present node from the captures."""

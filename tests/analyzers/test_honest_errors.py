@@ -59,7 +59,7 @@ def too_large(found, least):
 
 # 60 captures give a standard deviation to 9 % (normal) and to 18 % where the coordinate's excess
 # kurtosis is 3; .7 and 1.4 are widened by 3 times that.
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("law", [{}, {"columns": 1.0, "codes": False}, {"drift": 1.0}])
 def test_errors_are_those_of_independent_captures(law):
     found = scatter(60, 4, (128, 160), **law)

@@ -9,7 +9,7 @@ import pytest
 import dnanalyze
 from dnanalyze.demo import tiny
 
-pytestmark = pytest.mark.search
+pytestmark = pytest.mark.long
 
 
 def one_point(seed=1):

@@ -65,7 +65,7 @@ def functions():
     yield from ((name, getattr(dnanalyze.Statistics, name)) for name in RESULT)
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "item"),
     [

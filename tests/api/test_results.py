@@ -189,7 +189,7 @@ def test_it_is_saved_by_suffix(result, tmp_path):
     assert not list(tmp_path.glob("*.pickle"))
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_it_is_drawn_on_new_axes_or_on_the_users(result):
     axes = result.plot()
     first = axes if isinstance(axes, plt.Axes) else axes[0]
@@ -231,7 +231,7 @@ def test_what_the_captures_lack_is_said():
     plt.close("all")
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("make", [comparison, checked, statistics])
 def test_the_report_is_a_page(make, tmp_path):
     make().save(tmp_path / "r.html")

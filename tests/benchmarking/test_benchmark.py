@@ -248,7 +248,7 @@ def no_filters(monkeypatch):
     monkeypatch.setattr(detection, "detect", lambda captures, **_: none, raising=False)
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_the_command_gives_page_table_and_json(no_filters, tmp_path, monkeypatch):
     from dnanalyze_cli.main import main
 
@@ -298,7 +298,7 @@ def test_the_strength_of_every_effect_of_the_catalogue_is_told():
     assert (only.rms_dn, only.parameters["sigma"]) == (pytest.approx(3.0), (3.0, "DN"))
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
     no_filters, tmp_path, monkeypatch
 ):
@@ -336,7 +336,7 @@ def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
     ]
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_the_channels_of_one_sensor_stand_side_by_side(no_filters):
     model, settings = virtual_model(3.0, 1)
     channels = [(replace(p, channel=c), n) for c in ("hcg", "lcg") for p, n in settings]

@@ -88,7 +88,7 @@ def test_a_time_limit_ends_it_early():
     assert not found.finished
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_a_helper_takes_operating_points_of_its_own_and_finds_the_same():
     captures = simulate(replace(PLAIN, seed=99), (128, 128), [(POINT, 2), (WARM, 2)])
     helpers = Processes(1)

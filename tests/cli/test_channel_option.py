@@ -89,7 +89,7 @@ def test_over_channels_each_has_its_own_laws(folder, tmp_path, capsys):
     assert "sensor: 2 channels, 6 operating points" in capsys.readouterr().out
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_refine_and_add_over_channels_complete_each_and_give_one_model(
     folder, tmp_path, monkeypatch, capsys
 ):

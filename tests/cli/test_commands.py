@@ -55,7 +55,7 @@ def calls(monkeypatch):
     return seen
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_compare_tells_what_a_classifier_can_tell(folder, calls, tmp_path, capsys, monkeypatch):
     seen = []
 
@@ -108,7 +108,7 @@ def test_the_verdict_comes_before_the_numbers(folder, calls, capsys):
     assert text.index("Missing: column_fpn") < text.index("candidate")
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("command", ["compare", "analyze"])
 def test_a_report_and_a_table_are_written(command, folder, calls, tmp_path):
     page, table = tmp_path / "out.html", tmp_path / "out.csv"

@@ -32,7 +32,7 @@ def folder(tmp_path):
     return made
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_a_benchmark_leaves_masked_pixels_out(folder):
     out, mask = folder.parent / "o.json", folder.parent / "mask.npy"
     nonuniformity = {}

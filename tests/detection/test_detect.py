@@ -22,7 +22,7 @@ ORDINARY = Traits(gain=1.2, hot=2e-3)
 SAMPLES = Path(__file__).parents[3] / "shared" / "captures"
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("name", hidden.FILTERS)
 def test_each_filter_is_found_and_named(name):
     kind, run = hidden.FILTERS[name]
@@ -33,7 +33,7 @@ def test_each_filter_is_found_and_named(name):
     assert list(found.effect) == [kind]
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", ["clamp to neighbours", "Gaussian .5, half", "static DPC, 500 ppm"]
 )
@@ -46,7 +46,7 @@ def test_filters_within_a_colour_are_found_on_a_mosaic(name):
     assert found.estimate.view == "planes"
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(4))  # the rate: benchmarks/detection_roc.py
 def test_unfiltered_sensors_are_left_in_peace(seed):
     sensor = VirtualSensor(random_traits(np.random.default_rng(500 + seed)), (192, 192), seed)
@@ -57,7 +57,7 @@ def test_unfiltered_sensors_are_left_in_peace(seed):
     assert found.effect == {}
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize(
     "traits",
     [
@@ -274,7 +274,7 @@ def test_real_unfiltered_frames_are_left_in_peace(name):
     assert detect(_sample(f"real/{name}")).kind == "none"
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "kind"),
     [

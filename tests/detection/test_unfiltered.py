@@ -92,7 +92,7 @@ def test_findings_that_do_not_count_say_why():
     assert all(f.reason != NOT_SIGNIFICANT for f in small)
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", range(300, 303))
 def test_fresh_unfiltered_series_are_left_in_peace(kind, seed):

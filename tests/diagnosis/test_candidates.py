@@ -27,7 +27,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
 from dnanalyze.model.simulate import simulate
 
-pytestmark = pytest.mark.search
+pytestmark = pytest.mark.long
 
 UPPER, LOWER = Window(0, 50, 0, 80), Window(50, 100, 0, 80)
 ROWS = ("row_fpn", "row_noise", "column_fpn")

@@ -18,7 +18,7 @@ from dnanalyze.model.effects.row_noise import RowNoise
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 
-pytestmark = pytest.mark.search
+pytestmark = pytest.mark.long
 
 POINTS = [(OperatingPoint(t, 1.0, 1.0), 3) for t in (25.0, 45.0)]
 EVIDENCE_DECISIVE = NoiseModel(

@@ -19,7 +19,7 @@ from dnanalyze.fitting.residual import Residual
 from dnanalyze.fitting.state import start
 from dnanalyze.model.registry import BASE, BASELINE, WANG, built_in
 
-pytestmark = pytest.mark.search
+pytestmark = pytest.mark.long
 
 NEW = [n for n in BASELINE if n not in WANG]  # in a model of Wang 2025 that is rounded to codes
 FEW = (BASE, *BASELINE, "row_fpn", "row_noise", "column_fpn")

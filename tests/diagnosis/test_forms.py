@@ -63,7 +63,7 @@ def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
     assert in_best_form(problem, judged(null, "denoise", ended)) is ended
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_the_better_by_both_halves_is_preferred():
     problem = problem_with({"row_fpn": "strong"})
     without, right = (

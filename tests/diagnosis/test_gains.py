@@ -46,7 +46,7 @@ def halves(problem: FitProblem):
     return problem.train, problem.test
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_by_prediction_a_drift_of_another_walk_is_no_misfit(seed):
     """Every sensor walks in its own way: one simulated walk is as far off as none."""

@@ -149,7 +149,7 @@ def test_a_statistic_is_corrected_where_it_is_on_both_halves(without):
     assert not without.corrects(["mean"], replace(state, train=train, unseen=given(test)))
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_evidence_from_one_sensors_random_field_is_in_units_of_its_scatter():
     """A cloud is the same at all operating points of a sensor, and another in the next one.
 

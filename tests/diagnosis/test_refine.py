@@ -10,7 +10,7 @@ from dnanalyze.diagnosis.selection import OUTSIDE, TOLERABLE
 from dnanalyze.errors import InputError
 from dnanalyze.model.registry import BASE, BASELINE, WANG
 
-pytestmark = pytest.mark.search
+pytestmark = pytest.mark.long
 
 
 def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, known):

@@ -146,7 +146,7 @@ def test_much_is_left_where_the_loss_per_statistic_is_beyond_an_adequate_models(
         assert much_left(replace(state, train=np.full(len(state.train), np.sqrt(loss)))) == much
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("share", [0.5, 0.75])
 def test_a_median_mixed_into_few_codes_promises_most_at_its_share(share):
     """No derivative leads from another share to it: the residual changes by steps."""

@@ -55,7 +55,7 @@ def ordinary(slope) -> tuple[FitProblem, State]:
     return problem, converge(problem, start(problem, model, free_parameters(model)), rounds=2)
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_a_spread_that_falls_is_found_and_the_level_is_kept():
     problem, state = ordinary(-0.3)
     found = spread_law(FittedModel(problem, state))

@@ -29,7 +29,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
 from dnanalyze.model.simulate import simulate
 
-pytestmark = pytest.mark.search
+pytestmark = pytest.mark.long
 
 ROWS = {"row_fpn": RowFpn, "row_noise": RowNoise}
 

@@ -64,7 +64,7 @@ def test_without_time_no_candidate_is_named(captures):
     assert found.candidates == []
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_time_enough_changes_nothing(captures, known):
     few = {"known": known, "limits": SearchLimits(max_effects=0), "classifier": False}
     free = refine_on(captures, **few)

@@ -44,7 +44,7 @@ def test_json_keeps_its_keys_and_gains_emva(measured):
         }  # fmt: skip
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_page_begins_with_maps_and_quantities(captures, measured):
     text = render(page(measured))
     assert text.index("The sensor") < text.index("EMVA 1288 dark quantities")

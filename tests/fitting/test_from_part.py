@@ -116,7 +116,7 @@ def test_they_are_nearly_those_of_the_whole_field(problem):
     assert np.all(likeness[plain] > 0.9)
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize(
     "seed", [5, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (6, 7))]
 )

@@ -32,7 +32,7 @@ def percentile(found: Fit, pulls: dict[str, float]) -> float:
     return float(fisher.cdf(scaled, count, REPLICATES - count))
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("seed", ["fixed", pytest.param("redrawn", marks=pytest.mark.slow)])
 def test_all_parameters_together_lie_within_their_errors(seed):
     pulls, found = fit_pulls.one(seed, 1001, (64, 96), 3, REPLICATES)

@@ -38,7 +38,7 @@ def with_gain(gain: float):
     return model.with_effect(replace(shot, dn_per_e=gain))
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("gain", [1.1e-4, pytest.param(1e-3, marks=pytest.mark.slow), 0.05])
 def test_a_gain_of_any_size_ends_where_the_true_one_does(problem, gain):
     """The truth is .5 DN/e-; at 1.1e-4 no statistic moves with the logarithm of the gain."""

@@ -102,7 +102,7 @@ def moved_by(shift):
     return from_arrays(stacks, bits=12), at
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_a_session_of_another_black_level_is_told_and_its_row_bound():
     made, at = moved_by(40)
     sessions = direct(analyze(made, workers=1)).sessions
@@ -129,7 +129,7 @@ def test_misfits_are_in_standard_errors():
     np.testing.assert_allclose(misfits(ties, np.array([5.0, 1.0])), [-2.0, 2.0])
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("factor", [1 / 30, 5.0])
 def test_a_fit_ends_at_the_gain_wherever_it_begins(factor):
     problem, model, free = knobs_and_model()

@@ -96,7 +96,7 @@ def test_headerless(captures_root):
     assert captures.sensor.bits == 12
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_hidden_folders(captures_root):
     folders = [p for p in sorted((captures_root / "hidden").iterdir()) if p.is_dir()]
     assert folders

@@ -579,15 +579,17 @@ def test_another_host_shows_its_page_for_its_token_alone(browser, folder):
     page.close()
 
 
-@pytest.mark.parametrize("ends", [(0.0188, 0.566), (0.31, 0.42), (80, 1500), (3e-7, 0.2), (2, 9e7)])
+@pytest.mark.parametrize(
+    "ends", [(0.0188, 0.566), (0.31, 0.42), (0.4001, 0.4002), (80, 1500), (3e-7, 0.2), (2, 9e7)]
+)
 def test_labels_of_a_logarithmic_axis_are_the_values_of_its_ticks(browser, ends):
-    from dnanalyze.workbench.page.plot import LOG_LABEL, LOG_TICKS
+    from dnanalyze.workbench.page.log_axis import LABEL, TICKS
 
     run = """([ticks, label, start, end]) => new Function("cb_data", ticks)({start, end})
       .map((t) => [t, new Function("tick", label)(t)])"""
     page = browser.new_page()
-    found = page.evaluate(run, [LOG_TICKS, LOG_LABEL, *ends])
-    between = page.evaluate(run, [LOG_TICKS, LOG_LABEL, -0.5, 4.5])
+    found = page.evaluate(run, [TICKS, LABEL, *ends])
+    between = page.evaluate(run, [TICKS, LABEL, -0.5, 4.5])
     page.close()
     assert between == []  # of a range of the axis before, as that changes
     assert 2 <= len(found) <= 9

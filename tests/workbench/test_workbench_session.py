@@ -60,7 +60,7 @@ def test_what_could_not_be_opened_is_tried_again_and_an_opening_is_not_cancelled
     made.close()
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_without_a_model_the_wang_2025_model_is_fitted(folder, fitted):
     made = WorkbenchSession(CaptureSource(folder))
     made.prepare()
@@ -71,7 +71,7 @@ def test_without_a_model_the_wang_2025_model_is_fitted(folder, fitted):
     made.close()
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_the_error_is_that_of_compare(session, folder):
     session.add("row_noise").over.wait(300)
     assert session.settle()
@@ -192,7 +192,7 @@ def test_an_effect_is_taken_out_and_restored_with_its_numbers(session):
     assert session.present.model.get("read_noise").sigma == 2.5
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_pinned_parameters_keep_their_values_in_a_fit(session):
     value = session.present.model.pedestal
     set_value(session, "pedestal", value + 0.5)
@@ -202,7 +202,7 @@ def test_pinned_parameters_keep_their_values_in_a_fit(session):
     assert "--frozen pedestal" in session.commands()
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_a_running_task_is_cancelled_within_a_second_and_the_next_one_runs(session):
     job = session.refine()
     time.sleep(0.5)
@@ -216,7 +216,7 @@ def test_a_running_task_is_cancelled_within_a_second_and_the_next_one_runs(sessi
     assert session.message != "internal error"
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_an_addition_says_what_the_command_says_of_it(session, folder, fitted):
     session.add("row_noise").over.wait(300)
     found = dnanalyze.add(dnanalyze.load(str(folder)), "row_noise", fitted)
@@ -251,7 +251,7 @@ def test_candidates_are_told_as_they_are_found_and_the_limits_give_way(session):
     assert session.present.action == "add column_fpn"
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_a_worker_that_dies_is_a_message_and_nothing_is_lost(session):
     nodes = session.history.nodes
     job = session.refine()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import io
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,12 @@ from PIL import Image
 
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.words import number
-from dnanalyze.workbench import frames
+from dnanalyze.workbench import exports, frames
 from dnanalyze.workbench.history import History, Node, effects_apart
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.style import Palette, card, inner
+from dnanalyze.workbench.session import WorkbenchSession
 from dnanalyze.workbench.worst import worst_view
 
 WRAP = {"flex-wrap": "wrap", "min-width": "0"}  # of a row of widgets on a narrow page
@@ -67,19 +69,19 @@ class HistoryPane:
         )
         self.other.param.watch(lambda _: self._compare(), "value")
         self.comparison = pn.pane.HTML("", stylesheets=style, margin=0)
-        save = {"stylesheets": style, "margin": (0, 4, 0, 0), "button_type": "default"}
-        self.yaml = pn.widgets.FileDownload(
-            callback=lambda: io.BytesIO(session.yaml().encode()), filename="model.yaml",
-            label="Model", width=72, **save,
-        )  # fmt: skip
-        self.report = pn.widgets.FileDownload(
-            callback=lambda: io.BytesIO(session.report().encode()), filename="report.html",
-            label="Report", width=72, **save,
-        )  # fmt: skip
-        self.targets = pn.widgets.FileDownload(
-            callback=lambda: io.BytesIO(session.targets().encode()), filename="targets.yaml",
-            label="CI targets", width=84, **save,
-        )  # fmt: skip
+
+        def download(
+            made: Callable[[WorkbenchSession], str], filename: str, label: str, width: int
+        ) -> pn.widgets.FileDownload:
+            return pn.widgets.FileDownload(
+                callback=lambda: io.BytesIO(made(session).encode()), filename=filename,
+                label=label, width=width, stylesheets=style, margin=(0, 4, 0, 0),
+                button_type="default",
+            )  # fmt: skip
+
+        self.yaml = download(exports.model_file, "model.yaml", "Model", 72)
+        self.report = download(exports.report, "report.html", "Report", 72)
+        self.targets = download(exports.targets, "targets.yaml", "CI targets", 84)
         self.recipe = pn.widgets.Select(
             options={"copy as …": "", "commands": "commands", "Python": "python"},
             value="",

@@ -11,8 +11,6 @@ from bokeh.models import (
     BasicTickFormatter,
     BoxAnnotation,
     ColumnDataSource,
-    CustomJSTicker,
-    CustomJSTickFormatter,
     FixedTicker,
     LinearScale,
     LogScale,
@@ -22,6 +20,7 @@ from bokeh.models import (
 )
 
 from dnanalyze.workbench.curves import Axes, Curve, Mark, residual
+from dnanalyze.workbench.page.log_axis import log_formatter, log_ticker
 from dnanalyze.workbench.page.points import without_shared
 from dnanalyze.workbench.page.style import Palette, hover, plain_figure
 
@@ -31,28 +30,6 @@ MARGIN = 0.04  # of an axis beyond the curves, on its scale
 LEFT = 58  # screen pixels to the left of both figures, so that their abscissas agree
 MOST_SIGMA = 60.0  # end of the axis of residuals at most
 COLOURS = {"Wang 2025 model": "wang", "present model": "present", "candidate": "candidate"}
-# Bokeh's own ticks of fewer than two decades are linear, and its labels round their exponents:
-# 0.2 and 0.4 were called 10^-1 and 10^0.
-LOG_TICKS = """
-const [low, high] = [cb_data.start, cb_data.end].sort((a, b) => a - b);
-if (!(low > 0 && high < Infinity)) return [];  // between two axes
-const decades = Math.log10(high / low);
-const every = Math.max(1, Math.ceil(decades / 6));
-const mantissas = decades > 3 ? [1] : decades > 1 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8];
-const ticks = [];
-for (let e = Math.floor(Math.log10(low)); e <= Math.log10(high); e++) {
-  if (e % every === 0) ticks.push(...mantissas.map((m) => Number(`${m}e${e}`)));
-}
-const seen = ticks.filter((t) => low <= t && t <= high);
-return seen.length > 1 ? seen : [low, high].map((t) => Number(t.toPrecision(3)));
-"""
-LOG_LABEL = """
-const e = Math.floor(Math.log10(tick) + 1e-9);
-if (-3 <= e && e <= 3) return String(Number(tick.toPrecision(3)));
-const power = "10" + String(e).replace("-", "⁻").replace(/[0-9]/g, (d) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[d]);
-const mantissa = Number((tick / 10 ** e).toPrecision(3));
-return mantissa === 1 ? power : `${mantissa}·${power}`;
-"""
 MOST_MARKS = 12  # frequencies that a figure marks
 
 
@@ -279,11 +256,11 @@ class _Axis:
         self._scales = {False: LinearScale(), True: LogScale()}
         self._tickers = {
             False: BasicTicker(),
-            True: CustomJSTicker(major_code=LOG_TICKS),
+            True: log_ticker(),
         }
         self._formatters = {
             False: BasicTickFormatter(use_scientific=False),
-            True: CustomJSTickFormatter(code=LOG_LABEL),
+            True: log_formatter(),
         }
         self._places = FixedTicker(ticks=[])
 

@@ -78,7 +78,7 @@ def in_this_process(monkeypatch):
     monkeypatch.setattr(dist, "AHEAD", 1)
 
 
-@pytest.mark.search
+@pytest.mark.long
 def test_workers_give_what_one_process_gives(folder, cluster):
     assert_like(analyze(load(folder), scheduler=cluster.scheduler_address), analyze(load(folder)))
 

@@ -54,7 +54,7 @@ def histogram(gain, mean, sigma, offset=64.0, pixels=384 * 384 * 2, seed=0):
     return codes, counts
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("gain", [0.6, 0.75, 0.9, 1.1, 1.3, 1.5, 1.77, 2.0, 2.5, 3.3])
 def test_guess_finds_the_factor_from_histograms(gain):
     levels = [(70.0, 3.0), (75.0, 4.0), (110.0, 9.0), (250.0, 25.0)]

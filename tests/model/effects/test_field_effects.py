@@ -146,7 +146,7 @@ def test_tracks_are_as_long_as_told_in_any_direction():
     assert rows.mean() == pytest.approx(columns.mean(), abs=spread)
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize(("charge", "slope"), [("track", 0.0), ("path", 1.0)])
 def test_longer_tracks_hold_more_charge_where_it_is_drawn_for_the_path(charge, slope):
     effect = CosmicRays(rate=1.0, energy=1e5, length=30.0, charge=charge)

@@ -132,7 +132,7 @@ def test_equal_points_have_equal_noise_however_they_are_typed():
     )
 
 
-@pytest.mark.search
+@pytest.mark.long
 @pytest.mark.parametrize("name", sorted(EFFECTS))
 def test_every_effect_has_a_numpy_form(name):
     others = [EFFECTS[n]() for n in ("convolved_lognormal", "read_noise") if n != name]
