@@ -61,6 +61,7 @@ STRENGTHS: dict[str, dict[str, Any]] = {
     "row_noise": {"sigma": 3.0},
     "rts": {"fraction": 0.03, "amplitude": 40.0, "amplitudes": "fixed"},
     "scaled_lines": {"fraction": 0.03, "sigma": 1.0},
+    "storage_dark_current": {"amplitude": 30.0},
     "stuck_pixels": {"fraction": 1e-3, "code": 140.0},
     "temporal_denoise": {"share": 0.6},
     "transfer_tails": {"loss": 0.3, "tau": 3.0},
@@ -75,6 +76,7 @@ WIDE = {
     "defect_lines",
     "offset_gradient",
     "scaled_lines",
+    "storage_dark_current",
 }
 CODES = {"digital_gain", "missing_codes", "quantization"}
 NEAR = {
@@ -133,6 +135,7 @@ ALSO = {
     "row_noise": ("banding", "horizontal banding", "temporal row noise", "line noise"),
     "rts": ("random telegraph noise (RTN)", "blinking pixels", "popcorn noise"),
     "scaled_lines": ("columns of another gain", "hot columns"),
+    "storage_dark_current": ("storage-node leakage", "readout dark current", "dark ramp"),
     "stuck_pixels": ("dead pixels of a fixed code", "defective pixels"),
     "temporal_denoise": ("3D noise reduction (3DNR)", "temporal filter", "recursive filter"),
     "transfer_tails": ("charge-transfer inefficiency (CTI)", "deferred charge", "trailing"),

@@ -13,6 +13,7 @@ from dnanalyze.fitting.line_defects import defects_of, line_defects
 from dnanalyze.fitting.measured_parameters import Measured
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.simulated import BLOCKS
 from dnanalyze.fitting.state import State
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.guesses.hints import gains
@@ -83,9 +84,9 @@ class Residual:
         return self._over_settings(name, self.state.train)
 
     def curve(self, name: str, setting: int) -> np.ndarray:
-        """A measured curve; block means are of both halves (`area`)."""
+        """A measured curve; means of blocks are of both halves (`area`)."""
         upper, lower = (r.curve(name, setting) for r in self._readings)
-        if name == "block_means" and upper.ndim == 2 and lower.ndim == 2:
+        if name in BLOCKS and upper.ndim == 2 and lower.ndim == 2:
             return np.concatenate([upper, lower])
         return upper
 

@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from dnanalyze.analyzers.families.shading import NOISE, NOISE_ORDERS
+from dnanalyze.analyzers.families.shading import RELATIVE, RELATIVE_ORDERS
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
 
 ORDER = 4
@@ -76,18 +76,19 @@ def shading_values(
     Parameters
     ----------
     upper, lower : SettingStatistics
-        Halves of the field; their curves ``block_means``, DN, and ``noise_blocks``.
+        Halves of the field; their curves ``block_means``, DN, and those of `RELATIVE`.
     parity : int
         Which colour of the checkerboard.
 
     Returns
     -------
     dict
-        shading_i_j, order i across and j down, for i, j < 4 save 0_0, and noise_shading_i_j of the
-        temporal variance over its mean. The squared error is that of the white residue plus the
-        power of the next orders of its kind: a random low-frequency field shows there, and a
-        second sensor would draw it anew. ``mean`` and ``median`` of the half are moved by how far
-        the blocks of the colour lie from its own; the median by what of that is no scatter.
+        shading_i_j, order i across and j down, for i, j < 4 save 0_0, and noise_shading_i_j and
+        scatter_shading_i_j of variances over their mean. The squared error is that of the white
+        residue plus the power of the next orders of its kind: a random low-frequency field shows
+        there, and a second sensor would draw it anew. ``mean`` and ``median`` of the half are
+        moved by how far the blocks of the colour lie from its own; the median by what of that is
+        no scatter.
     """
     blocks = _whole(upper, lower, "block_means")
     if blocks is None:
@@ -103,7 +104,7 @@ def shading_values(
         share = max(0.0, 1.0 - (BLOCK_ERRORS * error / shift) ** 2) if shift else 0.0
         se = math.hypot(own.se, share * error)
         moved["median"] = replace(own, value=own.value + share * shift, se=se)
-    return found | moved | _noise(upper, lower, parity)
+    return found | moved | _of_variances(upper, lower, parity)
 
 
 def _shift_error(blocks: np.ndarray, count: int) -> float:
@@ -115,13 +116,19 @@ def _shift_error(blocks: np.ndarray, count: int) -> float:
     return math.sqrt(apart / 2.0 / count)
 
 
-def _noise(upper: SettingStatistics, lower: SettingStatistics, parity: int) -> dict[str, Value]:
-    """How the temporal variance varies over the field, over its mean there."""
-    blocks = _whole(upper, lower, "noise_blocks")
-    if blocks is None:
-        return {}
-    found = _surfaces(blocks / blocks.mean(), parity)
-    return {f"{NOISE}{i}_{j}": found[i, j] for i, j in NOISE_ORDERS}
+def _of_variances(
+    upper: SettingStatistics, lower: SettingStatistics, parity: int
+) -> dict[str, Value]:
+    """How the temporal variance and the scatter of the DSNU vary over the field, over their means
+    there.
+    """
+    told: dict[str, Value] = {}
+    for name, curve in RELATIVE.items():
+        blocks = _whole(upper, lower, curve)
+        if blocks is not None:
+            found = _surfaces(blocks / blocks.mean(), parity)
+            told |= {f"{name}{i}_{j}": found[i, j] for i, j in RELATIVE_ORDERS}
+    return told
 
 
 def _whole(upper: SettingStatistics, lower: SettingStatistics, name: str) -> np.ndarray | None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from math import prod
 
 from dnanalyze.analyzers.analyze import analyze_windows
+from dnanalyze.analyzers.families.shading import RELATIVE
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.memo import Memo
@@ -25,7 +26,7 @@ SHARED_FROM_PIXELS = 500_000
 FIELD_BYTES = 1 << 30
 CHARGE_BYTES = 1 << 28  # a few models' frames
 WANTED, SHADING = 5, 2  # about what a frame of a half costs, and one of which only that is asked
-BLOCKS = "block_means", "noise_blocks"  # curves over the field, (rows, columns) of blocks
+BLOCKS = "block_means", *RELATIVE.values()  # curves over the field, (rows, columns) of blocks
 Part = tuple[int, int]  # a setting, and a half of the field
 
 

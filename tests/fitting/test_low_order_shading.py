@@ -82,13 +82,14 @@ def test_orders_are_named_as_the_statistics_of_a_whole_frame_are():
             assert found[name].value == pytest.approx(whole[name].value, abs=1e-4), name
 
 
-def test_shading_of_the_noise_is_relative_to_its_mean_over_the_field():
-    noise = 50.0 * (1.0 + 0.2 * cosine(0, 1) - 0.1 * cosine(1, 1))
+@pytest.mark.parametrize("what", ["noise", "scatter"])
+def test_shading_of_a_variance_is_relative_to_its_mean_over_the_field(what):
+    blocks = 50.0 * (1.0 + 0.2 * cosine(0, 1) - 0.1 * cosine(1, 1))
     for parity in (0, 1):
-        found = shading_values(*halves(np.zeros((16, 16)), noise_blocks=noise), parity)
-        assert found["noise_shading_0_1"].value == pytest.approx(0.2, abs=1e-9)
-        assert found["noise_shading_1_1"].value == pytest.approx(-0.1, abs=1e-9)
-        assert found["noise_shading_2_0"].value == pytest.approx(0.0, abs=1e-9)
+        found = shading_values(*halves(np.zeros((16, 16)), **{f"{what}_blocks": blocks}), parity)
+        assert found[f"{what}_shading_0_1"].value == pytest.approx(0.2, abs=1e-9)
+        assert found[f"{what}_shading_1_1"].value == pytest.approx(-0.1, abs=1e-9)
+        assert found[f"{what}_shading_2_0"].value == pytest.approx(0.0, abs=1e-9)
 
 
 def test_halves_of_different_level_are_shaded_and_not_wrong_in_level():

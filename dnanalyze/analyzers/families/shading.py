@@ -1,7 +1,8 @@
-"""Shading: how the DSNU, and the noise, vary over the field.
+"""Shading: how the DSNU, its scatter from pixel to pixel, and the noise vary over the field.
 
-Cosine coefficients of block means. Charge has its shot noise with it, an offset of the readout has
-none: where the noise is shaded like the pattern, that is charge.
+Cosine coefficients of block means. Charge has its shot noise with it, and a scatter of its own from
+pixel to pixel; an offset of the readout has neither. Where the noise or the scatter is shaded like
+the pattern, that is charge.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ SMALLEST_BLOCK = 8  # pixels
 ORDERS = 4  # coefficients of lower orders are told one by one
 MID = (4, 8)  # orders, half open
 HIGH = 8  # orders from here on
-NOISE = "noise_shading_"
-NOISE_ORDERS = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))  # across, down
+NOISE, SCATTER = "noise_shading_", "scatter_shading_"
+RELATIVE = {NOISE: "noise_blocks", SCATTER: "scatter_blocks"}  # statistics, and their curves
+RELATIVE_ORDERS = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))  # across, down
 _REACH = 8.0  # times the typical temporal variance; a pixel's own is cut there
 _RED = 4.0  # a random low-frequency field has more power in the orders below 4 than in 4 to 7
 
@@ -31,9 +33,17 @@ _NOISE_UNLIKE = (
     "the temporal dark noise varies over the field differently from the model: shading of the "
     "dark charge adds shot noise, shading by the readout does not"
 )
+_SCATTER_UNLIKE = (
+    "the scatter of the DSNU from pixel to pixel varies over the field differently from the model: "
+    "dark charge that differs from pixel to pixel is shaded, or grows while rows wait to be read"
+)
 _UNLIKE = (
     "the shading differs from the model's: amplifier glow, a thermal gradient, or a readout ramp"
 )
+_NONE = {
+    NOISE: "needs two frames with noise between them, and five blocks along each side",
+    SCATTER: "needs pixels that differ, and five blocks along each side",
+}
 
 
 def _order(i: int, j: int) -> StatisticInfo:
@@ -41,10 +51,9 @@ def _order(i: int, j: int) -> StatisticInfo:
     return StatisticInfo(f"shading_{i}_{j}", "shading", "DN", title, high=_UNLIKE, low=_UNLIKE)
 
 
-def _noise_order(i: int, j: int) -> StatisticInfo:
-    title = f"shading of the temporal variance of order {i} across, {j} down, over its mean"
-    name = f"{NOISE}{i}_{j}"
-    return StatisticInfo(name, "shading", "1", title, high=_NOISE_UNLIKE, low=_NOISE_UNLIKE)
+def _relative(name: str, what: str, i: int, j: int, unlike: str) -> StatisticInfo:
+    title = f"shading of {what} of order {i} across, {j} down, over its mean"
+    return StatisticInfo(f"{name}{i}_{j}", "shading", "1", title, high=unlike, low=unlike)
 
 
 def _power(name: str, orders: str) -> StatisticInfo:
@@ -60,13 +69,17 @@ INFOS: tuple[StatisticInfo, ...] = (
     *(_order(i, j) for i in range(ORDERS) for j in range(ORDERS) if i or j),
     _power("shading_mid", "4 to 7"),
     _power("shading_high", "8 to 15"),
-    *(_noise_order(i, j) for i, j in NOISE_ORDERS),
+    *(_relative(NOISE, "the temporal variance", *o, _NOISE_UNLIKE) for o in RELATIVE_ORDERS),
+    *(
+        _relative(SCATTER, "the DSNU's variance between neighbours", *o, _SCATTER_UNLIKE)
+        for o in RELATIVE_ORDERS
+    ),
 )
 
 
 def finish(acc: Accumulated) -> FamilyResult:
-    """Cosine coefficients of the winsorised pattern, of the frame itself where there is one, and
-    of the winsorised temporal variance.
+    """Cosine coefficients of the winsorised pattern, of the frame itself where there is one, of its
+    variance between neighbours, and of the winsorised temporal variance.
     """
     image = acc.clipped_pattern
     shape = tuple(min(GRID, n // SMALLEST_BLOCK) for n in image.shape)
@@ -77,6 +90,7 @@ def finish(acc: Accumulated) -> FamilyResult:
     coefficients = _cosines(means)
     result = FamilyResult(curves={"block_means": means + acc.pattern_centre})
     _of_noise(acc, (shape[0], shape[1]), result)
+    _of_scatter(acc, (shape[0], shape[1]), result)
     square, errors = coefficients**2, acc.plan.errors
     order, _ = _orders((square.shape[0], square.shape[1]))
     noise = [0.0, 0.0, 0.0]
@@ -111,18 +125,40 @@ def _cosines(blocks: np.ndarray) -> np.ndarray:
 
 def _of_noise(acc: Accumulated, grid: tuple[int, int], result: FamilyResult) -> None:
     """Add the coefficients of the temporal variance over its mean."""
-    names = [f"{NOISE}{i}_{j}" for i, j in NOISE_ORDERS]
     typical, variance = acc.difference_sigma**2, acc.temporal_variance
-    if variance is None or min(typical, acc.temporal_mean) <= 0 or min(grid) <= MID[0]:
-        why = "needs two frames with noise between them, and five blocks along each side"
-        result.missing.update(dict.fromkeys(names, why))
+    if variance is None or min(typical, acc.temporal_mean) <= 0:
+        _add(NOISE, None, acc, grid, result)
+    else:
+        _add(NOISE, np.minimum(variance, np.float32(_REACH * typical)), acc, grid, result)
+
+
+def _of_scatter(acc: Accumulated, grid: tuple[int, int], result: FamilyResult) -> None:
+    """Add the coefficients of half the squared difference of neighbours in a row, over its mean.
+
+    Offsets of rows are not in it, and those of columns are as large in every row.
+    """
+    step = np.diff(acc.clipped_pattern, axis=1)
+    _add(SCATTER, np.float32(0.5) * step * step if step.any() else None, acc, grid, result)
+
+
+def _add(
+    name: str,
+    variance: np.ndarray | None,
+    acc: Accumulated,
+    grid: tuple[int, int],
+    result: FamilyResult,
+) -> None:
+    """Add the coefficients of a variance over its mean; why not, where there is none."""
+    names = [f"{name}{i}_{j}" for i, j in RELATIVE_ORDERS]
+    if variance is None or min(grid) <= MID[0]:
+        result.missing.update(dict.fromkeys(names, _NONE[name]))
         return
-    blocks = block_means(np.minimum(variance, np.float32(_REACH * typical)), grid)
-    result.curves["noise_blocks"] = blocks
+    blocks = block_means(variance, grid)
+    result.curves[RELATIVE[name]] = blocks
     coefficients = _cosines(blocks / blocks.mean())
     errors = _fine(coefficients**2) if acc.plan.errors else [0.0, 0.0, 0.0]
-    for name, (i, j) in zip(names, NOISE_ORDERS, strict=True):
-        result.values[name] = Value(float(coefficients[i, j]), errors[_kind(i, j)])
+    for one, (i, j) in zip(names, RELATIVE_ORDERS, strict=True):
+        result.values[one] = Value(float(coefficients[i, j]), errors[_kind(i, j)])
 
 
 def _fine(square: np.ndarray) -> list[float]:

@@ -59,6 +59,8 @@ class DarkGradient(Effect):
         "flicker_fpn": "a random low-frequency field has orders above 2 as well (shading_mid)",
         "column_fpn": "column offsets vary from one column to the next",
         "row_fpn": "row offsets vary from one row to the next, and have no shot noise",
+        "storage_dark_current": "the charge of storage nodes differs from pixel to pixel, and is "
+        "there without any exposure",
         "offset_gradient": "an offset surface does not grow with temperature or exposure, and has "
         "no shot noise",
     }

@@ -45,6 +45,8 @@ class PixelFpn(Effect):
             "the standard deviation of the dark current grows with temperature and exposure and is "
             "skewed"
         ),
+        "storage_dark_current": "the charge of storage nodes scatters more from row to row, and is "
+        "skewed",
         "column_fpn": "column offsets put their power on the v = 0 axis",
         "read_noise": "read noise is new in every frame",
     }

@@ -53,13 +53,32 @@ def test_charge_shades_the_noise_and_an_offset_does_not(across, down):
     kept = np.sinc(across / 32) * np.sinc(down / 32)
     for made, wanted in ((shot, share * kept), (offset, 0.0)):
         found = values(shading, made)
-        for i, j in shading.NOISE_ORDERS:
+        for i, j in shading.RELATIVE_ORDERS:
             value = found[f"noise_shading_{i}_{j}"]
             expected = wanted if (i, j) == (across, down) else 0.0
             assert abs(value.value - expected) < 4.5 * value.se, (i, j)
         # variances of 6 Gaussian values scatter by sqrt(2 / 5)
         stated = found["noise_shading_1_1"].se
         assert stated == pytest.approx(np.sqrt(0.4 / (shape[0] * shape[1])), rel=0.3)
+
+
+@pytest.mark.parametrize(("across", "down"), [(1, 0), (0, 1), (1, 1)])
+def test_the_scatter_of_the_pixels_is_shaded_and_offsets_of_lines_are_none_of_it(across, down):
+    shape, share = (256, 192), 0.3
+    rng = np.random.default_rng(13)
+    sigma = np.sqrt(1.0 + share * surface(shape, across, down))
+    offsets = 4.0 * sigma * rng.standard_normal(shape)
+    offsets += 3.0 * rng.standard_normal((shape[0], 1)) + rng.standard_normal((1, shape[1]))
+    found = values(shading, [(f + offsets).astype(np.float32) for f in white(rng, shape, 2, 0.1)])
+    kept = np.sinc(across / 32) * np.sinc(down / 32)
+    own = 16.0 / 17.0  # columns add their variance in every row
+    for i, j in shading.RELATIVE_ORDERS:
+        value = found[f"scatter_shading_{i}_{j}"]
+        expected = own * share * kept if (i, j) == (across, down) else 0.0
+        assert abs(value.value - expected) < 4.5 * value.se, (i, j)
+    # squared differences of neighbours share a pixel: their mean scatters by sqrt(3 / n)
+    stated = found["scatter_shading_1_1"].se
+    assert stated == pytest.approx(np.sqrt(3.0 / (shape[0] * shape[1])), rel=0.35)
 
 
 def test_noise_of_few_pixels_does_not_shade_it():
@@ -116,6 +135,6 @@ def test_means_of_lines_and_blocks_are_plain_means():
 def test_errors_are_those_of_independent_captures():
     captures = [sensor(np.random.default_rng((8, k)), (160, 192), 3) for k in range(100)]
     ratios = scatter_over_error(shading, captures)
-    assert len(ratios) == 22
+    assert len(ratios) == 27
     for name, ratio in ratios.items():  # 7 % sampling error each, honest to 25 %
         assert 0.6 < ratio < 1.45, (name, ratio)

@@ -28,6 +28,7 @@ EFFECTS = {
     "transfer_tails": {"loss": 0.1},
     "electron_multiplication": {"induced": 0.5},
     "scaled_lines": {"fraction": 0.05, "sigma": 0.5},
+    "storage_dark_current": {"before": 0.5},
 }
 TEMPORAL = {
     "convolved_lognormal",

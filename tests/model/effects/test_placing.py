@@ -93,7 +93,7 @@ def unlike(name, effect):
     return low.mean() / high.mean() / f.ppf(1.0 - RARE, low.size, high.size)
 
 
-@pytest.mark.parametrize("blocks", ["block_means", "noise_blocks"])
+@pytest.mark.parametrize("blocks", ["block_means", "noise_blocks", "scatter_blocks"])
 @pytest.mark.parametrize("name", ANYWHERE)
 def test_a_half_stands_for_the_other_of_what_lies_anywhere(name, blocks):
     assert unlike(blocks, KNOWN[name](**STRONG.get(name, {}))) < 1.0
