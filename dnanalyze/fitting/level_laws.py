@@ -13,6 +13,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import Law, TableLaw, value_at
 
 LARGEST = 50.0  # |ln(DN/s)| of a dark signal
+LEAST_RISE = 1e-3  # of mu from row to row at the start, inside of its bound
 # Of the dark signal: .2 C of a thermometer move it by 2 % at .8 eV, three errors by 6 %, and a
 # converter is linear to some percent. A level that is off by less may be due to either.
 IRREGULAR = 0.1
@@ -26,8 +27,8 @@ def beyond_laws(
 ) -> np.ndarray:
     """Residual of each level after the best fit of black level plus activated dark signal.
 
-    Level = black + exp(mu) t, with mu a line in 1/T between rows as far apart as a model's, for
-    every gain and channel of its own. Sessions of different black levels, a signal that is not
+    Level = black + exp(mu) t, with mu a line in 1/T between rows as far apart as a model's, which
+    does not fall as the sensor warms, for every gain and channel of its own. Sessions of different black levels, a signal that is not
     proportional to the exposure time and wrong temperatures remain.
 
     Parameters
@@ -131,8 +132,8 @@ class _Laws:
         return len(self.rows) + (self.black is None)
 
     def at(self, free: np.ndarray) -> np.ndarray:
-        """Levels, DN."""
-        mu = TableLaw(self.rows, tuple(free[: len(self.rows)]))
+        """Levels, DN. ``free``: the first row of mu, what each row adds to it, black level."""
+        mu = TableLaw(self.rows, tuple(np.cumsum(free[: len(self.rows)])))
         rate = np.exp([np.clip(mu.at(p), -LARGEST, LARGEST) for p in self.points])
         return np.asarray((free[-1] if self.black is None else self.black) + rate * self.exposure)
 
@@ -146,10 +147,14 @@ class _Laws:
             at = [i for i in bright if self.points[i].temperature_c == row.temperature_c]
             if at and self.exposure[at[-1]] > 0:
                 mu[n] = np.log(rate[at[-1]])
-        begun = [*np.clip(mu, -LARGEST, LARGEST), *([float(foot)] if self.black is None else [])]
+        mu = np.clip(mu, -LARGEST, LARGEST)
+        rises = np.maximum(np.diff(mu), LEAST_RISE)
+        level = [float(foot)] if self.black is None else []
+        least = [-np.inf, *np.zeros(len(rises)), *([-np.inf] if self.black is None else [])]
         found = least_squares(
             lambda x: (levels - self.at(x)) / tolerance,
-            begun,
+            [mu[0], *rises, *level],
+            bounds=(least, np.inf),  # no dark signal falls as the sensor warms
             loss="soft_l1",  # one session of another black level is not to move all others
             x_scale="jac",
             max_nfev=200,

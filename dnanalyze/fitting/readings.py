@@ -56,9 +56,13 @@ class Readings:
 
     @property
     def noise(self) -> np.ndarray:
-        """Noise of a pixel, DN: in time, or within a frame where a point has one alone."""
-        steady = self.value("temporal_noise_core")
-        return np.where(np.isfinite(steady), steady, self.value("frame_noise_core"))
+        """Noise of a pixel, DN: in time, or within a frame where a point has one alone.
+
+        Steps and shading widen the distribution of a frame; its power at high frequency has none.
+        """
+        steady, core = self.value("temporal_noise_core"), self.value("frame_noise_core")
+        within = np.fmin(core, np.sqrt(self.value("frame_psd_0.35_0.5")))
+        return np.where(np.isfinite(steady), steady, within)
 
     def curve(self, name: str, setting: int) -> np.ndarray:
         """A curve of one point; empty where it lacks it (first colour plane)."""

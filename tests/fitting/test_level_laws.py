@@ -87,3 +87,14 @@ def test_a_share_of_a_large_signal_is_no_other_black_level():
     assert session_levels(SERIES, bright + off, noise, still) is None
     _, moved = session_levels(SERIES, bright + 5.0 * off, noise, still)
     assert moved[8]
+
+
+def test_no_dark_signal_falls_as_the_sensor_warms():
+    """A level too high at a middle temperature is another black level, not a larger dark signal."""
+    points = [OperatingPoint(t, 100.0) for t in (-10.0, 5.0, 20.0, 35.0)]
+    points += [OperatingPoint(t, 0.0) for t in (-10.0, 5.0, 20.0, 35.0)]
+    seen = levels(points, rate=0.01)
+    seen[1] += 20.0
+    rest = beyond_laws(points, seen, np.full(len(points), 0.1))
+    # the signal of 20 C, 1 DN, is the most that is one
+    assert rest[1] == pytest.approx(20.0, abs=2.0)

@@ -16,7 +16,7 @@ from dnanalyze.model.streams import Stream
 
 @dataclass(frozen=True)
 class ColumnFpn(Effect):
-    """y += c_j + a e^(-j/l); c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma n_j, in every frame."""
+    """y += c_j + a e^(-j/l) + b e^(-k/m); c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma n_j."""
 
     name: ClassVar[str] = "column_fpn"
     stage: ClassVar[Stage] = Stage.LINE_READ
@@ -32,12 +32,14 @@ class ColumnFpn(Effect):
         "pairs that share a circuit may alternate (rho < 0). A CCD reads all columns through "
         "one amplifier, whose level settles after each line transfer: the columns that are "
         "read first deviate from the others, and the deviation decays exponentially "
-        "(`settle`, `length`). Remedy: subtract the column means of optically black rows, or "
-        "of a master dark; correlated double sampling in the column circuit or digital in the "
-        "converter."
+        "(`settle`, `length`). The columns at the other edge of the array may deviate too "
+        "(`edge`, `edge_length`), by charge from outside the array or the end of the line. "
+        "Remedy: subtract the column means of optically black rows, or of a master dark; "
+        "correlated double sampling in the column circuit or digital in the converter."
     )
     formula: ClassVar[str] = (
-        "y_ij += c_j + a e^(-j/l), j from the column that is read first;  "
+        "y_ij += c_j + a e^(-j/l) + b e^(-k/m), j from the column that is read first, k from the "
+        "last;  "
         "c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma N(0,1)"
     )
     references: ClassVar[tuple[str, ...]] = (
@@ -62,26 +64,35 @@ class ColumnFpn(Effect):
     )
     length: float = parameter(50.0, "column", 1.0, 1e4, "columns l over which it settles by e")
     first: str = choice("left", "side that is read first", "left", "right")
+    edge: float = parameter(
+        0.0, "DN", -1e4, 1e4, "offset b of the last column, beside an edge of the array", "linear"
+    )
+    edge_length: float = parameter(50.0, "column", 1.0, 1e4, "columns m over which it falls by e")
 
     def inactive_parameters(self) -> tuple[str, ...]:
-        """The transient where there is none."""
-        return ("settle", "length") if self.settle == 0.0 else ()
+        """The transients where there are none."""
+        settled = ("settle", "length") if self.settle == 0.0 else ()
+        return (*settled, *(("edge", "edge_length") if self.edge == 0.0 else ()))
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
         signal += np.float32(sigma) * self._offsets(site)
+        order = site.column_index
+        ends = order, site.shape[1] - 1 - order
+        first, last = ends if self.first == "left" else ends[::-1]
         if self.settle != 0.0:
-            signal += np.float32(site.gain_ratio) * self._settling(site)
+            signal += self._decay("settle", "length", first, site)
+        if self.edge != 0.0:
+            signal += self._decay("edge", "edge_length", last, site)
         return signal
 
-    def _settling(self, site: Site) -> np.ndarray:
-        """The transient over the window's columns, float32, DN at the reference gain."""
-        order = site.column_index
-        if self.first == "right":
-            order = site.shape[1] - 1 - order
-        level = np.exp(-order / self.value("length", site.point))
-        return (self.value("settle", site.point) * level).astype(np.float32)
+    def _decay(self, height: str, length: str, away: np.ndarray, site: Site) -> np.ndarray:
+        """A transient over the window's columns, float32, DN; ``away``: columns from its end."""
+        level = np.exp(-away / self.value(length, site.point))
+        return np.float32(site.gain_ratio) * (self.value(height, site.point) * level).astype(
+            np.float32
+        )
 
     def _offsets(self, site: Site) -> np.ndarray:
         """Unit offsets of the window's columns; the recursion runs over the whole row."""

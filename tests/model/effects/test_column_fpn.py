@@ -67,8 +67,19 @@ def test_a_settling_level_follows_gain_alone_and_is_idle_where_it_is_none():
     effect = ColumnFpn(1e-4, settle=20.0, length=40.0)
     loud = offsets(effect, point=OperatingPoint(85.0, 10.0, 4.0))
     np.testing.assert_allclose(loud, 4 * offsets(effect), atol=2e-3)
-    assert effect.inactive_parameters() == ()
-    assert ColumnFpn(1.0).inactive_parameters() == ("settle", "length")
+    assert effect.inactive_parameters() == ("edge", "edge_length")
+    assert ColumnFpn(1.0).inactive_parameters() == ("settle", "length", "edge", "edge_length")
+    assert ColumnFpn(1.0, settle=1.0, edge=1.0).inactive_parameters() == ()
+
+
+@pytest.mark.parametrize("first", ["left", "right"])
+def test_the_other_edge_has_a_transient_of_its_own(first):
+    settled = {"settle": -20.0, "length": 40.0, "first": first}
+    c = offsets(ColumnFpn(1e-4, **settled, edge=9.0, edge_length=7.0))
+    c = c if first == "left" else c[::-1]
+    order = np.arange(c.size)
+    wanted = -20.0 * np.exp(-order / 40.0) + 9.0 * np.exp(-(c.size - 1 - order) / 7.0)
+    np.testing.assert_allclose(c, wanted, atol=1e-3)
 
 
 @pytest.mark.parametrize(("first", "margin"), [("left", 0), ("left", 60), ("right", 0)])
@@ -103,3 +114,22 @@ def test_where_a_transient_leaves_much_both_forms_are_guessed():
     )  # fmt: skip
     scattered, settling = ColumnFpn.guess(clues)
     assert scattered.settle == 0.0 < settling.settle
+
+
+@pytest.mark.parametrize("edge", [0.0, 20.0])
+def test_a_second_edge_is_guessed_where_there_is_one(edge):
+    column = np.arange(768)
+    profile = 30.0 * np.exp(-column / 20.0) + edge * np.exp(-(767 - column) / 50.0)
+    profile += 0.5 * np.random.default_rng(5).standard_normal(768)
+    names = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
+    clues = Given(
+        (256, 768), seen=dict.fromkeys(names, 50.0), model=dict.fromkeys(names, 3.0),
+        off=dict.fromkeys(names, 9.0), profiles={"columns": [profile]},
+    )  # fmt: skip
+    (effect,) = ColumnFpn.guess(clues)
+    found = {"left": (effect.settle, effect.length), "right": (effect.edge, effect.edge_length)}
+    if effect.first == "right":
+        found = {"left": found["right"], "right": found["left"]}
+    # blocks of 4 columns and steps of the grid
+    assert found["left"] == pytest.approx((30.0, 20.0), rel=0.2)
+    assert found["right"] == (pytest.approx((edge, 50.0), rel=0.2) if edge else (0.0, 50.0))
