@@ -159,6 +159,40 @@ def _dark_gradient(scene: Scene, rng: Generator, relative: float, angle: float, 
     return Step("rate", lambda rate, now: rate * (1.0 + relative * surface))
 
 
+def _storage_draw(sensor: VirtualSensor, amount: float, rng: Generator) -> Plain:
+    return {
+        "e": amount * sensor.noise_e,
+        "variation": float(rng.uniform(0.5, 1.2)),
+        "hold": float(rng.uniform(0.0, 2.0)),
+        "activation_ev": float(rng.uniform(0.5, 0.7)),
+        "upward": bool(rng.random() < 0.5),
+    }
+
+
+def _storage_dark_current(
+    scene: Scene,
+    rng: Generator,
+    e: float,
+    variation: float,
+    hold: float,
+    activation_ev: float,
+    upward: bool,
+) -> Step:
+    """Charge of storage nodes while rows are read: Gamma over the pixels, ``e`` on average in the
+    row read last at the highest temperature, whatever the exposure.
+    """
+    rows = scene.shape[0]
+    wait = (hold + scene.row / (rows - 1)) / (hold + 1.0)
+    nodes = (
+        rng.gamma(variation**-2, variation**2, scene.shape) * e * (wait[::-1] if upward else wait)
+    )
+
+    def apply(charge: np.ndarray, now: Moment) -> np.ndarray:
+        return charge + nodes * now.thermal(activation_ev, scene.sensor.hottest_c)
+
+    return Step("charge", apply)
+
+
 def _cosmic_draw(sensor: VirtualSensor, amount: float, rng: Generator) -> Plain:
     # 80 e-/um in a few um of silicon.
     return {"per_megapixel": amount, "e": 400.0, "length": 4.0}
@@ -232,6 +266,8 @@ CHARGE = (
                  _glow_draw, _amp_glow),
     HiddenEffect("dark_gradient", (0.05, 0.15, 0.4), "of the dark current, end to end",
                  _gradient_draw, _dark_gradient),
+    HiddenEffect("storage_dark_current", (0.5, 1.5, 5.0), "mean charge of the last row over the "
+                 "noise", _storage_draw, _storage_dark_current),
     HiddenEffect("cosmic_rays", (5.0, 20.0, 100.0), "tracks a megapixel and frame",
                  _cosmic_draw, _cosmic_rays),
     HiddenEffect("persistence", (0.02, 0.06, 0.2), "of a frame's charge given back later",

@@ -28,8 +28,9 @@ def beyond_laws(
     """Residual of each level after the best fit of black level plus activated dark signal.
 
     Level = black + exp(mu) t, with mu a line in 1/T between rows as far apart as a model's, which
-    does not fall as the sensor warms, for every gain and channel of its own. Sessions of different black levels, a signal that is not
-    proportional to the exposure time and wrong temperatures remain.
+    does not fall as the sensor warms, for every gain and channel of its own. Sessions of different
+    black levels, a signal that is not proportional to the exposure time and wrong temperatures
+    remain.
 
     Parameters
     ----------

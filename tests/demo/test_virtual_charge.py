@@ -104,6 +104,21 @@ def test_dark_gradient_is_relative_and_keeps_the_mean():
     np.testing.assert_allclose(np.diff(flat, axis=1), 20.0 / (SHAPE[1] - 1))
 
 
+@pytest.mark.parametrize("upward", [False, True])
+def test_charge_of_storage_nodes_grows_until_the_row_is_read(upward):
+    numbers = {"e": 30.0, "variation": 0.8, "hold": 1.0, "activation_ev": 0.6, "upward": upward}
+    q = excess("storage_dark_current", **numbers) / CALM.exposure_s
+    q = q[::-1] if upward else q
+    wait = 30.0 * (1.0 + np.arange(SHAPE[0]) / (SHAPE[0] - 1)) / 2.0
+    share = q / wait[:, None]
+    assert share.mean() == pytest.approx(1.0, abs=5 * 0.8 / math.sqrt(PIXELS))
+    assert share.std() == pytest.approx(0.8, rel=0.03)  # of a gamma law
+    halves = [half.std() for half in np.array_split(share, 2)]
+    assert halves[0] == pytest.approx(halves[1], rel=0.05)
+    cold = excess("storage_dark_current", COLD, **numbers) / CALM.exposure_s
+    np.testing.assert_allclose((cold[::-1] if upward else cold) * arrhenius(HOT, 0.6, COLD), q)
+
+
 def test_cosmic_rays_bring_their_charge_once():
     tracks, e, length = 4000.0, 400.0, 4.0
     hit = added({"cosmic_rays": {"per_megapixel": tracks, "e": e, "length": length}}, frames=12)
