@@ -161,7 +161,7 @@ def _dark_gradient(scene: Scene, rng: Generator, relative: float, angle: float, 
 
 def _storage_draw(sensor: VirtualSensor, amount: float, rng: Generator) -> Plain:
     return {
-        "e": amount * sensor.noise_e,
+        "e": amount * sensor.spread_e(sensor.hottest_c),
         "variation": float(rng.uniform(0.5, 1.2)),
         "hold": float(rng.uniform(0.0, 2.0)),
         "activation_ev": float(rng.uniform(0.5, 0.7)),
@@ -266,8 +266,8 @@ CHARGE = (
                  _glow_draw, _amp_glow),
     HiddenEffect("dark_gradient", (0.05, 0.15, 0.4), "of the dark current, end to end",
                  _gradient_draw, _dark_gradient),
-    HiddenEffect("storage_dark_current", (0.5, 1.5, 5.0), "mean charge of the last row over the "
-                 "noise", _storage_draw, _storage_dark_current),
+    HiddenEffect("storage_dark_current", (0.3, 1.0, 3.0), "charge of the last row over the spread "
+                 "of a hot frame", _storage_draw, _storage_dark_current),
     HiddenEffect("cosmic_rays", (5.0, 20.0, 100.0), "tracks a megapixel and frame",
                  _cosmic_draw, _cosmic_rays),
     HiddenEffect("persistence", (0.02, 0.06, 0.2), "of a frame's charge given back later",
