@@ -9,9 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
+from dnanalyze.model.gamma import gamma_deviates
 
-LARGEST_DEVIATE = 6.0  # standard normal deviates: 2e-9 of the pixels lie beyond
-NODES = 1537  # of the table of gamma deviates: 2e-5 of their standard deviation for rms to 2
 LEFT = 0.3  # of the seed's standard deviation, 9 % of its variance: a fit can move it either way
 
 
@@ -81,17 +80,3 @@ class DarkCurrentFpn(Effect):
         if name.startswith("convolved_lognormal.mu"):
             return 1.0, 0.5 * (1.0 - LEFT**2) * math.log1p(rms**2)
         return 1.0, 0.0
-
-
-def gamma_deviates(normal: np.ndarray, rms: float) -> np.ndarray:
-    """Standard normal deviates to gamma deviates of mean 1, by way of their probability, float32.
-
-    ``rms``: standard deviation of the result.
-    """
-    from scipy.special import gammaincinv, ndtr
-
-    shape = 1.0 / rms**2
-    nodes = np.linspace(-LARGEST_DEVIATE, LARGEST_DEVIATE, NODES)
-    table = gammaincinv(shape, ndtr(nodes)) / shape
-    found: np.ndarray = np.interp(normal, nodes, table).astype(np.float32)
-    return found

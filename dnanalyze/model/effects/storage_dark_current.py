@@ -10,6 +10,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.gamma import gamma_deviates
 from dnanalyze.model.laws import TableLaw
 
 HALF = 0.5  # share of the pixel offsets that a fit without this effect takes for another's
@@ -17,7 +18,7 @@ HALF = 0.5  # share of the pixel offsets that a fit without this effect takes fo
 
 @dataclass(frozen=True)
 class StorageDarkCurrent(Effect):
-    """h += w (b + u) x; u from 0, the row read first, to 1; x log-normal over the pixels."""
+    """h += w (b + u) x; u from 0, the row read first, to 1; x over the pixels, with mean 1."""
 
     name: ClassVar[str] = "storage_dark_current"
     stage: ClassVar[Stage] = Stage.CHARGE
@@ -26,7 +27,8 @@ class StorageDarkCurrent(Effect):
     physics: ClassVar[str] = (
         "The pixels of a global-shutter CMOS sensor end their exposure together and hold their "
         "charge in a storage node until their row is read. The node has a dark current of its "
-        "own, which differs from pixel to pixel: level, scatter of the pixels and shot noise grow "
+        "own, which differs from pixel to pixel (log-normal, or with the gamma law of few "
+        "generation centers): level, scatter of the pixels and shot noise grow "
         "from the row read first to the row read last, the level and the standard deviation in "
         "proportion to the wait. The charge does not depend on the exposure; it grows with "
         "temperature, and with the readout time, such as by a slower pixel clock. In the shortest "
@@ -35,7 +37,8 @@ class StorageDarkCurrent(Effect):
     )
     formula: ClassVar[str] = (
         "h_i += w e^(-Ea/k (1/T - 1/T_ref)) (b + u_i) e^(s n_i - s^2/2), u = i / rows from the row "
-        "read first, n ~ N(0,1) fixed in the silicon"
+        "read first, n ~ N(0,1) fixed in the silicon; law gamma: in place of e^(s n_i - s^2/2) Gamma "
+        "deviates of the same mean and variance"
     )
     references: ClassVar[tuple[str, ...]] = (
         "EMVA Standard 1288, release 4.0 (DSNU, row profiles)",
@@ -61,7 +64,7 @@ class StorageDarkCurrent(Effect):
         1.0, "DN", 1e-3, 1e5, "mean signal from the readout of the first row to that of the last"
     )
     spread: float = parameter(
-        0.8, "1", 0.0, 2.0, "standard deviation over the pixels of ln(signal)", "linear"
+        0.8, "1", 0.0, 2.0, "standard deviation s over the pixels of ln(signal)", "linear"
     )
     before: float = parameter(
         0.0, "1", 0.0, 50.0, "wait of the row read first, over that from the first to the last",
@@ -69,6 +72,8 @@ class StorageDarkCurrent(Effect):
     )  # fmt: skip
     ea_ev: float = parameter(0.63, "eV", 0.0, 1.6, "activation energy", "linear")
     first: str = choice("top", "row that is read first", "top", "bottom")
+
+    law: str = choice("log-normal", "distribution over the pixels", "log-normal", "gamma")
 
     def inactive_parameters(self) -> tuple[str, ...]:
         """The energy of an amplitude that is stated for each operating point."""
@@ -80,12 +85,20 @@ class StorageDarkCurrent(Effect):
         return signal
 
     def _map(self, site: Site) -> np.ndarray:
-        rows, spread = site.shape[0], np.float32(self.value("spread", site.point))
+        rows = site.shape[0]
         read = site.row_index if self.first == "top" else rows - 1 - site.row_index
         growth = site.thermal(self.value("ea_ev", site.point)) * site.gain_ratio
         height = self.value("amplitude", site.point) * growth
         wait = (height * (self.value("before", site.point) + read / rows)).astype(np.float32)
-        return wait[:, None] * np.exp(spread * (site.fixed_normal() - spread / 2))
+        return wait[:, None] * self._uneven(site)
+
+    def _uneven(self, site: Site) -> np.ndarray:
+        """Charge of each pixel over the mean of its row, float32."""
+        spread, normal = self.value("spread", site.point), site.fixed_normal()
+        if self.law == "gamma" and spread > 0.0:
+            return gamma_deviates(normal, math.sqrt(math.expm1(spread**2)))
+        single = np.float32(spread)
+        return np.asarray(np.exp(single * (normal - single / 2)))
 
     def variance(self, point: OperatingPoint) -> float:
         """w^2 (e^(s^2) (b^2 + b + 1/3) - (b + 1/2)^2), DN^2, at the reference temperature and gain;

@@ -7,7 +7,7 @@ from scipy import stats
 
 from dnanalyze.diagnosis.nuisance import unbiased
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
-from dnanalyze.model.effects.dark_current_fpn import LEFT, DarkCurrentFpn, gamma_deviates
+from dnanalyze.model.effects.dark_current_fpn import LEFT, DarkCurrentFpn
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.noise_model import NoiseModel
 
@@ -27,13 +27,6 @@ def test_it_has_the_distribution_that_it_states(law, rms):
     assert y.mean() == pytest.approx(1.0, abs=4 * rms / np.sqrt(PIXELS))
     assert y.std() == pytest.approx(rms, rel=4 / np.sqrt(2 * PIXELS) * (1 + 3 * rms))
     assert stats.kstest(y.ravel(), LAWS[law](rms).cdf).statistic < 1.95 / np.sqrt(PIXELS)
-
-
-@pytest.mark.parametrize("rms", [1e-3, 0.1, 1.0, 2.0])
-def test_gamma_deviates_are_the_quantiles(rms):
-    normal = np.linspace(-4.5, 4.5, 101)
-    expected = LAWS["gamma"](rms).ppf(stats.norm.cdf(normal))
-    np.testing.assert_allclose(gamma_deviates(normal, rms), expected, rtol=1e-4, atol=2e-5 * rms)
 
 
 def test_it_is_a_share_of_the_dark_charge_alone():

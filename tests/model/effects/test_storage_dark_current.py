@@ -29,6 +29,18 @@ def test_the_closed_form_is_the_variance_over_the_field():
     assert y.var() == pytest.approx(NODE.variance(HERE), rel=5 * np.sqrt(12 / y.size))
 
 
+def test_a_gamma_law_has_the_same_mean_and_variance_and_twice_the_variation_for_skewness():
+    gamma = StorageDarkCurrent(amplitude=20.0, spread=0.6, before=50.0, law="gamma")
+    y = frames(gamma, (400, 2500))[0]
+    share = y / (20.0 * (50.0 + np.arange(400) / 400))[:, None]
+    relative = np.sqrt(np.expm1(0.6**2))
+    assert share.mean() == pytest.approx(1.0, abs=5 * relative / 1000)
+    assert share.std() == pytest.approx(relative, rel=5 * np.sqrt(3 / share.size))
+    skewness = np.mean((share - 1.0) ** 3) / share.std() ** 3
+    assert skewness == pytest.approx(2 * relative, rel=0.05)
+    assert y.var() == pytest.approx(gamma.variance(HERE), rel=0.01)
+
+
 def test_it_follows_temperature_and_gain_and_not_the_exposure():
     y = frames(NODE)[0]
     np.testing.assert_array_equal(frames(NODE, point=LONG)[0], y)
