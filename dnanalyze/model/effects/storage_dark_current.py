@@ -37,8 +37,8 @@ class StorageDarkCurrent(Effect):
     )
     formula: ClassVar[str] = (
         "h_i += w e^(-Ea/k (1/T - 1/T_ref)) (b + u_i) e^(s n_i - s^2/2), u = i / rows from the row "
-        "read first, n ~ N(0,1) fixed in the silicon; law gamma: in place of e^(s n_i - s^2/2) Gamma "
-        "deviates of the same mean and variance"
+        "read first, n ~ N(0,1) fixed in the silicon; law gamma: Gamma deviates of the same mean "
+        "and variance in place of e^(s n_i - s^2/2)"
     )
     references: ClassVar[tuple[str, ...]] = (
         "EMVA Standard 1288, release 4.0 (DSNU, row profiles)",
