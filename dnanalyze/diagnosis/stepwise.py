@@ -273,13 +273,14 @@ class Search:
     def _exchanged(self, path: Path, gone: str, null: FittedModel, best: Trial) -> Path | None:
         """One effect in the place of another; None where the model error would rise.
 
-        ``null``: the model without either.
+        ``null``: the model without either. Both steps have the error of the exchange: the model
+        between them is none that the search arrives at.
         """
         made = self._made(null, best, [best])
         if made[-1].error > path.error:
             return None
         path = replace(path, tried=(best,))
-        path = self._without(path, self._at_home(null.state, null), [gone])
+        path = self._without(path, self._at_home(null.state, null), [gone], made[-1].error)
         return self._taken(path, made)
 
     def _tested(self, path: Path, null: FittedModel) -> Path:

@@ -22,6 +22,8 @@ from dnanalyze.model.effect import (
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.telegraph import Telegraph, add_telegraph
 
+LEAST_CHANGED = 0.1  # share of the traps that change their state within a series, to be told
+
 
 @dataclass(frozen=True)
 class Rts(Effect):
@@ -104,9 +106,17 @@ class Rts(Effect):
         return ("occupancy",) if self.occupancies == "spread" else ()
 
     def shows_in(self, frames: int, pixels: int) -> bool:
-        """Not where fewer than one trap in ten changes its state: hot pixels look the same."""
-        dwell = self.dwell_frames
-        return not isinstance(dwell, (int, float)) or dwell <= 10.0 * frames
+        """Not where fewer than `LEAST_CHANGED` change their state: hot pixels look the same.
+
+        A two-state chain of occupancy o and correlation r = e^(-1/dwell) stays in its state over n
+        steps with the probability o (o + (1 - o) r)^n + (1 - o) (1 - o + o r)^n.
+        """
+        dwell, o = self.dwell_frames, self.occupancy if self.occupancies == "same" else 0.5
+        if not (isinstance(dwell, (int, float)) and isinstance(o, (int, float))):
+            return True
+        r, steps = math.exp(-1.0 / dwell), frames - 1
+        still = o * (o + (1.0 - o) * r) ** steps + (1.0 - o) * (1.0 - o + o * r) ** steps
+        return 1.0 - still >= LEAST_CHANGED
 
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A spread of sigma over pixels makes noisier pixels too."""
