@@ -13,6 +13,7 @@ from dnanalyze.model.laws import ArrheniusLaw, Law, TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 
 PEDESTAL = "pedestal"
+LENGTHS = "column", "line", "pixel", "frame", "s"  # units of what is no amplitude
 
 
 @dataclass(frozen=True)
@@ -126,8 +127,9 @@ def _one_sided(parameter: FreeParameter, law: Law) -> FreeParameter:
 def _of_law(
     effect: str, name: str, law: Law, log: bool, lower: float, upper: float, unit: str
 ) -> list[FreeParameter]:
-    if log and not isinstance(law, (TableLaw, ArrheniusLaw)) and law <= lower:
-        return []  # an amplitude at its lower bound is switched off
+    amplitude = log and unit not in LENGTHS
+    if amplitude and not isinstance(law, (TableLaw, ArrheniusLaw)) and law <= lower:
+        return []  # at its lower bound it is switched off
     if isinstance(law, TableLaw):
         rows = range(len(law.values))
         return [FreeParameter(effect, name, str(i), log, lower, upper, unit) for i in rows]

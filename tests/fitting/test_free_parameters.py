@@ -82,6 +82,11 @@ def test_a_sign_that_was_measured_is_kept(sign):
         assert moved.uv == step  # of no sign yet
 
 
+def test_a_length_at_its_lower_bound_stays_free():
+    made = NoiseModel((built_in()["column_fpn"](settle=9.0, length=1.0),), 64.0)
+    assert "column_fpn.length" in [k.name for k in free_parameters(made)]
+
+
 @pytest.mark.parametrize(
     ("effect", "held"),
     [
