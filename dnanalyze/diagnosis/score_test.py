@@ -64,7 +64,7 @@ def score_tests(
 
 @dataclass(frozen=True)
 class _View:
-    """Two operating points, at which guesses are simulated.
+    """Two operating points, at which guesses are simulated. ``whole``: all of them.
 
     ``idle``: loss that the nuisance parameters reach alone. ``noise``: of the operating point with
     the least, DN. ``biased``: whether so much is missing that the level itself may be biased.
@@ -72,6 +72,7 @@ class _View:
 
     problem: FitProblem
     state: State
+    whole: FitProblem
     idle: float
     noise: float
     biased: bool
@@ -81,7 +82,8 @@ class _View:
         settings = telling(problem, state)
         there = restricted(problem, state, settings)
         idle = along(there, np.zeros(len(there.train))).loss
-        return cls(problem.only(settings), there, idle, least_noise(problem), much_left(there))
+        few = problem.only(settings)
+        return cls(few, there, problem, idle, least_noise(problem), much_left(there))
 
     @cached_property
     def changes(self) -> Callable[[Placing], Changes]:
@@ -110,7 +112,7 @@ class _View:
 
     def _beside(self, guess: Effect) -> list[NoiseModel]:
         model = self.state.model
-        anew = from_moments(self.problem, model, guess) if self.biased else None
+        anew = from_moments(self.whole, model, guess) if self.biased else None
         return [unbiased(model, guess, self.noise) or model, *([anew] if anew else [])]
 
 

@@ -322,9 +322,14 @@ class Effect:
         Returns
         -------
         tuple of float or None
-            (DN, DN^2); None where that is not known.
+            (DN, DN^2); None where that is not known. Fixed offsets of the readout have their
+            `variance`, and by default all others None.
         """
-        return None
+        offset = self.varies == "fixed" and Stage.PIXEL_READ <= self.stage <= Stage.LINE_READ
+        variance = self.variance(point) if offset else None
+        if variance is None:
+            return None
+        return 0.0, variance * point.gain_over(reference) ** 2
 
     @classmethod
     def odds(cls, others: Collection[str]) -> float:
