@@ -18,8 +18,10 @@ from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters, positions, with_values
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
+from dnanalyze.fitting.ties import black_shift
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.guesses.evidence import quietest
+from dnanalyze.model.laws import Law, TableLaw, value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, BASELINE
 
@@ -85,12 +87,20 @@ def from_moments(problem: FitProblem, model: NoiseModel, effect: Effect) -> Nois
     """
     if any(effect.adds(p, model.reference) is None for p, _ in problem.plan.settings):
         return None
-    begun = baseline_model(problem, effect)
+    begun, shape = baseline_model(problem, effect), problem.plan.shape
     for name in (BASE, *BASELINE):
         other = begun.get(name)
         if other is not None and model.get(name) is not None:
             model = model.with_effect(other)
-    return replace(model, pedestal=begun.pedestal)
+    return replace(model, pedestal=_less_shift(begun.pedestal, model.with_effect(effect), shape))
+
+
+def _less_shift(black: Law, model: NoiseModel, shape: tuple[int, int]) -> Law:
+    """The pedestal with which a model shows a black level."""
+    if isinstance(black, TableLaw):
+        pairs = zip(black.points, black.values, strict=True)
+        return replace(black, values=tuple(v - black_shift(model, p, shape) for p, v in pairs))
+    return value_at(black, model.reference) - black_shift(model, model.reference, shape)
 
 
 def other_strengths(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:

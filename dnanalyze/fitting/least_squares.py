@@ -56,7 +56,7 @@ def minimise(
     if not state.free:
         return replace(state, at_rest=True)
     over = state.loss / len(state.train)
-    bounds, ties = problem.train.bounds(over), problem.direct.ties(state.model, state.free, over)
+    bounds, ties = problem.train.bounds(over), problem.ties(state.model, state.free, over)
     state = replace(derive(problem, state), at_rest=False, bounds=bounds, ties=ties)
     damping, stale, true = DAMPING, False, False
     for _ in range(iterations):

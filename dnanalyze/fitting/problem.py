@@ -13,10 +13,11 @@ import numpy as np
 from dnanalyze.analyzers.analyze import analyze_windows
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.fitting.design import Design, design
+from dnanalyze.fitting.free_parameters import FreeParameter
 from dnanalyze.fitting.level import Level, allowed, dark_signals, level
 from dnanalyze.fitting.processes import Helpers, helpers_of
 from dnanalyze.fitting.simulated import Job, room
-from dnanalyze.fitting.ties import Direct, direct
+from dnanalyze.fitting.ties import Direct, Tie, direct
 from dnanalyze.fitting.time_limit import TimeLimit
 from dnanalyze.fitting.vectors import Target, prediction, target
 from dnanalyze.loaders.captures import CaptureSet
@@ -164,6 +165,12 @@ class FitProblem:
         points = [point for point, _ in self.plan.settings]
         signals = dark_signals(self.measured[0], self.train, self.direct.black)
         return level(points, (self.train, self.test), (train, test), signals)
+
+    def ties(
+        self, model: NoiseModel, free: Sequence[FreeParameter], overdispersion: float
+    ) -> tuple[Tie, ...]:
+        """Constraints of the free parameters of a model by direct measurements."""
+        return self.direct.ties(model, free, self.plan.shape, overdispersion)
 
     def only(self, settings: list[int]) -> FitProblem:
         """The same problem with some of its settings."""

@@ -110,7 +110,7 @@ def start(
     blank = np.full((len(train), len(free)), np.nan)
     weight = problem.train.weight
     over = loss(train, weight) / len(train)
-    bounds, ties = problem.train.bounds(over), problem.direct.ties(model, free, over)
+    bounds, ties = problem.train.bounds(over), problem.ties(model, free, over)
     begun = State(model, free, train, unseen(problem, model), blank, False, bounds, ties, weight)
     return begun if like is None else with_derivatives_of(begun, like)
 

@@ -114,9 +114,16 @@ class Direct:
         return self.gains_at(model.reference.gain)
 
     def ties(
-        self, model: NoiseModel, free: Sequence[FreeParameter], overdispersion: float = 1.0
+        self,
+        model: NoiseModel,
+        free: Sequence[FreeParameter],
+        shape: tuple[int, int],
+        overdispersion: float = 1.0,
     ) -> tuple[Tie, ...]:
         """Constraints of the free parameters of a model.
+
+        The level of frames without exposure is that of the model with its fixed offsets
+        (`black_shift`). ``shape``: full frame.
 
         ``overdispersion``: loss a statistic. What is wrong with a model pulls at its parameters by
         as much more; the errors of the constraints are divided by its root.
@@ -126,7 +133,7 @@ class Direct:
             if (parameter.effect, parameter.parameter) == GAIN and parameter.part == "value":
                 found += self._of_gain(i, parameter, model)
             elif parameter.effect == PEDESTAL:
-                found += self._of_black(i, parameter, model)
+                found += self._of_black(i, parameter, model, shape)
         sharper = max(overdispersion, 1.0) ** 0.5
         return tuple(replace(t, error=t.error / sharper) for t in found)
 
@@ -141,23 +148,33 @@ class Direct:
             for g in self.gains_of(model)
         ]
 
-    def _of_black(self, at: int, parameter: FreeParameter, model: NoiseModel) -> list[Tie]:
+    def _of_black(
+        self, at: int, parameter: FreeParameter, model: NoiseModel, shape: tuple[int, int]
+    ) -> list[Tie]:
         law, level = model.pedestal, self.level
-        if self.sessions is not None and isinstance(law, TableLaw):
-            own, point = self.sessions, law.points[int(parameter.part)]
-            if point not in own.law.points:
-                return []
-            row = own.law.points.index(point)
-            return [Tie(at, own.law.values[row], float(own.errors[row]))]
-        if level is None:
-            return []
         if not isinstance(law, TableLaw):
-            return [] if level.moves else [Tie(at, level.mean, level.error)]
+            if level is None or level.moves:
+                return []
+            shift = black_shift(model, model.reference, shape)
+            return [Tie(at, level.mean - shift, level.error)]
         point = law.points[int(parameter.part)]
-        if point not in level.law.points:
+        found = self._black_and_error(point)
+        if found is None:
             return []
-        row = level.law.points.index(point)
-        return [Tie(at, level.law.values[row], float(level.errors[row]))]
+        return [Tie(at, found[0] - black_shift(model, point, shape), found[1])]
+
+    def _black_and_error(self, point: OperatingPoint) -> tuple[float, float] | None:
+        """Black level of a row and its standard error, DN; None where there is none of it."""
+        rows = self.sessions or self.level
+        if rows is None or point not in rows.law.points:
+            return None
+        row = rows.law.points.index(point)
+        return rows.law.values[row], float(rows.errors[row])
+
+
+def black_shift(model: NoiseModel, point: OperatingPoint, shape: tuple[int, int]) -> float:
+    """Level of frames without exposure above the pedestal of a model, DN."""
+    return sum(effect.black_shift(point, model.reference, shape) for effect in model.effects)
 
 
 def digital_gain(model: NoiseModel) -> float:

@@ -331,6 +331,29 @@ class Effect:
             return None
         return 0.0, variance * point.gain_over(reference) ** 2
 
+    def black_shift(
+        self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
+    ) -> float:
+        """Median of what it adds to a frame without exposure, DN.
+
+        The black level that such frames show is the model's with these of all effects.
+
+        Parameters
+        ----------
+        point : OperatingPoint
+            Where.
+        reference : OperatingPoint
+            Where the model's numbers are stated.
+        shape : tuple of int
+            Full frame, (rows, columns).
+
+        Returns
+        -------
+        float
+            DN; 0 by default.
+        """
+        return 0.0
+
     @classmethod
     def odds(cls, others: Collection[str]) -> float:
         """Odds of it against another effect, before the data speak, beside these in the model.

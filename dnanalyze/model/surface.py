@@ -10,6 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from dnanalyze.model.effect import Site
 
+GRID = 64
 TERMS = ("x", "y", "xx", "yy", "xy")
 
 
@@ -34,6 +35,14 @@ def low_order(coefficients: Sequence[float], site: Site) -> np.ndarray:
     if xy != 0.0:
         surface += np.outer(xy * down, across)
     return surface
+
+
+def median_of(coefficients: Sequence[float]) -> float:
+    """Median of a surface over the whole field, from `GRID` points along each side."""
+    p, q = legendre(np.arange(GRID), GRID)
+    x, y, xx, yy, xy = coefficients
+    surface = x * p + xx * q + (y * p + yy * q)[:, None] + xy * np.outer(p, p)
+    return float(np.median(surface))
 
 
 def legendre(index: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,6 @@ from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.level import DarkSignals, allowed, level
 from dnanalyze.fitting.state import given, start
-from dnanalyze.fitting.ties import Direct
 from dnanalyze.fitting.vectors import Key, Target
 from dnanalyze.loaders.captures import OperatingPoint
 
@@ -125,7 +124,7 @@ def test_a_level_is_not_given_up_for_many_statistics_that_lie_far_off(bound):
         return np.concatenate([[30.0 * x], np.full(20, 60.0 * (x - 1.0))])
 
     problem = SimpleNamespace(bounds=lambda _: bounds, weight=1.0)
-    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, direct=Direct())
+    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, ties=lambda *_: ())
     slope = np.concatenate([[30.0], np.full(20, 60.0)])[:, None]
     ended = minimise(straight, replace(start(straight, model, free), jacobian=slope), 12)
     if np.isinf(bound):

@@ -22,6 +22,7 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.registry import catalogue
 
+SHAPE = 96, 96
 SENSOR = VirtualSensor(gain_dn_e=0.5, temperatures_c=(40.0, 60.0, 80.0))
 
 
@@ -60,11 +61,11 @@ def knobs_and_model():
 def test_a_gain_binds_the_parameter_less_a_digital_gain():
     _, model, free = knobs_and_model()
     known = Direct(((1.0, Known(0.9, 0.09, "photon transfer")), (4.0, Known(9.0, 1.0, "recorded"))))
-    (tie,) = known.ties(model, free)
+    (tie,) = known.ties(model, free, SHAPE)
     assert free[tie.at].name == "dark_shot_noise.dn_per_e"
     assert (tie.position, tie.error) == (pytest.approx(np.log(0.9)), pytest.approx(0.1))
     times = model.with_effect(catalogue()["digital_gain"](gain=1.5))
-    (tie,) = known.ties(times, free_parameters(times))
+    (tie,) = known.ties(times, free_parameters(times), SHAPE)
     assert tie.position == pytest.approx(np.log(0.6))
 
 
@@ -72,7 +73,7 @@ def test_none_where_a_filter_lowers_the_noise():
     _, model, _ = knobs_and_model()
     smoothed = model.with_effect(catalogue()["denoise"]())
     known = Direct(((None, Known(0.9, 0.09, "recorded")),))
-    assert not known.ties(smoothed, free_parameters(smoothed))
+    assert not known.ties(smoothed, free_parameters(smoothed), SHAPE)
 
 
 def test_rows_of_the_black_level_are_bound_at_their_temperatures():
@@ -80,9 +81,19 @@ def test_rows_of_the_black_level_are_bound_at_their_temperatures():
     points = tuple(OperatingPoint(t, None, 1.0) for t in (40.0, 80.0))
     level = BlackLevel(TableLaw(points, (60.0, 70.0)), np.array([0.1, 0.2]))
     moving = replace(model, pedestal=level.law)
-    ties = Direct(level=level).ties(moving, free_parameters(moving))
+    ties = Direct(level=level).ties(moving, free_parameters(moving), SHAPE)
     assert [(t.position, t.error) for t in ties] == [(60.0, 0.1), (70.0, 0.2)]
-    assert Direct(level=level).ties(model, free_parameters(model)) == ()  # one level for all
+    assert Direct(level=level).ties(model, free_parameters(model), SHAPE) == ()  # one level for all
+
+
+def test_the_black_level_of_frames_is_the_pedestal_with_the_median_of_fixed_offsets():
+    _, model, _ = knobs_and_model()
+    taps = catalogue()["column_taps"](sigma=6.0, kind="blocks", levels=(2.0, -0.5), begins=(24,))
+    model = replace(model.with_effect(taps), pedestal=64.0)
+    level = BlackLevel(TableLaw((OperatingPoint(40.0, None, 1.0),), (60.0,)), np.array([0.1]))
+    (tie,) = Direct(level=level).ties(model, free_parameters(model), SHAPE)
+    # 24 of 96 columns at a, 72 at -a / 3 with a mean square of 1
+    assert tie.position == pytest.approx(60.0 + 6.0 / np.sqrt(3.0))
 
 
 def moved_by(shift):
@@ -113,7 +124,7 @@ def test_a_session_of_another_black_level_is_told_and_its_row_bound():
     model = baseline_model(problem)
     assert model.pedestal.points == tuple(point for point, _ in problem.plan.settings)
     assert model.pedestal.at(at) == problem.direct.sessions.law.at(at)
-    bound = problem.direct.ties(model, free_parameters(model))
+    bound = problem.ties(model, free_parameters(model), 1.0)
     assert len(bound) == len(problem.plan.settings)
     ended = fit_on(made, model, replicates=0, problem=problem)
     assert any("black level there differs by +4" in text for text in ended.undetermined)

@@ -102,6 +102,19 @@ class ColumnFpn(Effect):
             return site.columns(stream)
         return site.keep("offsets", lambda: _autoregressive(stream, site, rho))
 
+    def black_shift(
+        self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
+    ) -> float:
+        """Median of the transients."""
+        order, gain = np.arange(shape[1]), point.gain_over(reference)
+        height, length, edge, edge_length = (
+            self.value(name, point) for name in ("settle", "length", "edge", "edge_length")
+        )
+        if not (height or edge):
+            return 0.0
+        fall = height * np.exp(-order / length) + edge * np.exp(-order[::-1] / edge_length)
+        return gain * float(np.median(fall))
+
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2; a transient adds a^2 l / (2 columns), for l far below the columns."""
         return self.value("sigma", point) ** 2

@@ -106,15 +106,32 @@ class ColumnTaps(Effect):
         lines, line = (
             (site.shape[0], site.row_index) if along_rows else (site.shape[1], site.column_index)
         )
-        offsets = self._strips(site, lines)[line] if self.begins else self._equal(site, lines, line)
+        if self.begins:
+            levels = self._levels(site, len(self.begins) + 1)
+            offsets = self._strips(levels, lines, site.point)[line]
+        else:
+            offsets = self._equal(site, lines, line)
         signal += size * (offsets[:, None] if along_rows else offsets)
         return signal
 
+    def black_shift(
+        self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
+    ) -> float:
+        """Median offset of the lines, where their levels are stated: unequal strips have mean 0."""
+        if not self.levels:
+            return 0.0
+        lines = shape[0 if self.axis == "rows" else 1]
+        level = np.asarray(self.levels, float)
+        if self.begins:
+            offsets = self._strips(level, lines, point)
+        else:
+            offsets = _unit(level)
+        size = self.value("sigma", point) * point.gain_over(reference)
+        return size * float(np.median(offsets))
+
     def _equal(self, site: Site, lines: int, line: np.ndarray) -> np.ndarray:
         """Offsets of some lines, of taps that take as many each; mean 0 and rms 1."""
-        offsets = self._levels(site, self.taps)
-        offsets = offsets - offsets.mean()
-        offsets /= np.sqrt(np.mean(offsets**2))
+        offsets = _unit(self._levels(site, self.taps))
         if self.kind == "interleaved":
             slip = round(self.value("slip", site.point))
             return np.asarray(offsets[(line + site.frame * slip) % self.taps])
@@ -126,17 +143,17 @@ class ColumnTaps(Effect):
             return np.array(self.levels, np.float32)
         return site.fixed_stream.child("taps").normal(Window(0, 1, 0, count), count)[0]
 
-    def _strips(self, site: Site, lines: int) -> np.ndarray:
+    def _strips(self, levels: np.ndarray, lines: int, point: OperatingPoint) -> np.ndarray:
         """Offsets of all lines of the frame, float32; mean 0 and rms 1 before they settle."""
         begins = np.array([0, *self.begins], int)
         line = np.arange(lines)
         strip = np.searchsorted(begins, line, side="right") - 1
-        level = self._levels(site, begins.size).astype(float)
+        level = levels.astype(float)
         level -= level[strip].mean()
         # a window of the sensor may lie within one strip, at the mean then
         level /= np.sqrt(np.mean(level[strip] ** 2)) or 1.0
         offsets = level[strip]
-        share, length = self.value("settle", site.point), self.value("length", site.point)
+        share, length = self.value("settle", point), self.value("length", point)
         step = np.diff(level)
         if share and self.side != "before":
             after = strip > 0
@@ -153,6 +170,12 @@ class ColumnTaps(Effect):
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2, before anything settles."""
         return self.value("sigma", point) ** 2
+
+
+def _unit(levels: np.ndarray) -> np.ndarray:
+    """Levels with mean 0 and rms 1."""
+    away = levels - levels.mean()
+    return np.asarray(away / np.sqrt(np.mean(away**2)))
 
 
 def _rising(numbers: tuple[float, ...]) -> bool:

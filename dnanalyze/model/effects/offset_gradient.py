@@ -9,7 +9,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, Site, Stage, parameter
-from dnanalyze.model.surface import TERMS, low_order
+from dnanalyze.model.surface import TERMS, low_order, median_of
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,13 @@ class OffsetGradient(Effect):
     def _map(self, site: Site) -> np.ndarray:
         surface = low_order([self.value(name, site.point) for name in TERMS], site)
         return (site.gain_ratio * surface).astype(np.float32)
+
+    def black_shift(
+        self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
+    ) -> float:
+        """Median of the surface; a bowl has more of its area below its mean, or above."""
+        terms = [self.value(name, point) for name in TERMS]
+        return point.gain_over(reference) * median_of(terms)
 
     def variance(self, point: OperatingPoint) -> float:
         """Over the field, DN^2: the sum of the squares of the coefficients."""

@@ -12,6 +12,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.gamma import gamma_deviates
 from dnanalyze.model.laws import TableLaw
+from dnanalyze.thermal import arrhenius
 
 HALF = 0.5  # share of the pixel offsets that a fit without this effect takes for another's
 
@@ -106,6 +107,15 @@ class StorageDarkCurrent(Effect):
         """
         w, s, b = (self.value(name, point) for name in ("amplitude", "spread", "before"))
         return w * w * (math.exp(s * s) * (b * b + b + 1.0 / 3.0) - (b + 0.5) ** 2)
+
+    def black_shift(
+        self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
+    ) -> float:
+        """Median of the charge of the middle row."""
+        w, s, b = (self.value(name, point) for name in ("amplitude", "spread", "before"))
+        if reference.temperature_c is not None:
+            w *= arrhenius(point.temperature_c, reference.temperature_c, self.value("ea_ev", point))
+        return w * (b + 0.5) * math.exp(-s * s / 2) * point.gain_over(reference)
 
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """The black level holds the median of the charge, the pixel offsets part of its scatter."""
