@@ -18,7 +18,6 @@ from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters, positions, with_values
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
-from dnanalyze.fitting.ties import black_shift
 from dnanalyze.model.effect import Effect, Stage
 from dnanalyze.model.guesses.evidence import quietest
 from dnanalyze.model.laws import Law, TableLaw, value_at
@@ -99,8 +98,8 @@ def _less_shift(black: Law, model: NoiseModel, shape: tuple[int, int]) -> Law:
     """The pedestal with which a model shows a black level."""
     if isinstance(black, TableLaw):
         pairs = zip(black.points, black.values, strict=True)
-        return replace(black, values=tuple(v - black_shift(model, p, shape) for p, v in pairs))
-    return value_at(black, model.reference) - black_shift(model, model.reference, shape)
+        return replace(black, values=tuple(v - model.black_shift(p, shape) for p, v in pairs))
+    return value_at(black, model.reference) - model.black_shift(model.reference, shape)
 
 
 def other_strengths(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:

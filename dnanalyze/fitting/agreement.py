@@ -17,6 +17,7 @@ from dnanalyze.fitting.ties import GAIN, digital_gain
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.laws import value_at
+from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.thermal import KELVIN
 
 SIGMA, SHARE = 3.0, 0.1  # a difference within either is none
@@ -124,11 +125,16 @@ def _dark_signals(problem: FitProblem, state: State) -> list[Agreement]:
                 "dark signal", point, "DN",
                 signal,
                 math.hypot(error, float(rest)),
-                seen.predicted - value_at(state.model.pedestal, point),
+                seen.predicted - _black(problem, state.model, point),
                 NOISE * float(steady.mean()) if steady.size else 0.0,
             )
         )  # fmt: skip
     return found
+
+
+def _black(problem: FitProblem, model: NoiseModel, point: OperatingPoint) -> float:
+    """Level that frames of a model have without exposure, DN."""
+    return value_at(model.pedestal, point) + model.black_shift(point, problem.plan.shape)
 
 
 @dataclass(frozen=True)

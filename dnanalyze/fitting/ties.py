@@ -155,13 +155,13 @@ class Direct:
         if not isinstance(law, TableLaw):
             if level is None or level.moves:
                 return []
-            shift = black_shift(model, model.reference, shape)
+            shift = model.black_shift(model.reference, shape)
             return [Tie(at, level.mean - shift, level.error)]
         point = law.points[int(parameter.part)]
         found = self._black_and_error(point)
         if found is None:
             return []
-        return [Tie(at, found[0] - black_shift(model, point, shape), found[1])]
+        return [Tie(at, found[0] - model.black_shift(point, shape), found[1])]
 
     def _black_and_error(self, point: OperatingPoint) -> tuple[float, float] | None:
         """Black level of a row and its standard error, DN; None where there is none of it."""
@@ -170,11 +170,6 @@ class Direct:
             return None
         row = rows.law.points.index(point)
         return rows.law.values[row], float(rows.errors[row])
-
-
-def black_shift(model: NoiseModel, point: OperatingPoint, shape: tuple[int, int]) -> float:
-    """Level of frames without exposure above the pedestal of a model, DN."""
-    return sum(effect.black_shift(point, model.reference, shape) for effect in model.effects)
 
 
 def digital_gain(model: NoiseModel) -> float:

@@ -67,6 +67,23 @@ class NoiseModel:
         """Where in the field it is, that of its effects which is least the same all over."""
         return max((e.placing for e in self.effects), default=Placing.EVERYWHERE)
 
+    def black_shift(self, point: OperatingPoint, shape: tuple[int, int]) -> float:
+        """Median that the fixed offsets of all effects add to a frame without exposure, DN.
+
+        Parameters
+        ----------
+        point : OperatingPoint
+        shape : tuple of int
+            Full frame, (rows, columns).
+
+        Returns
+        -------
+        float
+            DN.
+        """
+        reference = self.reference_of(point.channel)
+        return sum(e.black_shift(point, reference, shape) for e in self.effects)
+
     def reference_of(self, channel: str | None) -> OperatingPoint:
         """Return the operating point at which the amplitudes of a channel are stated.
 

@@ -111,3 +111,27 @@ def test_equal_operating_points_draw_the_same_noise(one):
     model = NoiseModel((built_in()["read_noise"](2.0),), 64.0)
     first, second = (simulate(model, (8, 8), [(p, 2)]).to_numpy()[p] for p in points)
     np.testing.assert_array_equal(first, second)
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers", "tolerance"),
+    [
+        (
+            "column_taps",
+            {"sigma": 6.0, "kind": "blocks", "levels": (2.0, -0.5), "begins": (40,)},
+            0.0,
+        ),
+        ("column_taps", {"sigma": 6.0, "taps": 3, "levels": (3.0, 0.0, 1.0)}, 0.0),
+        ("offset_gradient", {"x": 4.0, "y": -2.0, "xx": 5.0, "yy": 3.0, "xy": 1.0}, 0.1),
+        ("column_fpn", {"settle": 30.0, "length": 60.0, "edge": 10.0, "edge_length": 30.0}, 0.3),
+        ("storage_dark_current", {"amplitude": 9.0, "before": 0.5, "ea_ev": 0.6}, 0.8),
+        ("amp_glow", {"amplitude": 50.0}, 0.0),
+    ],
+)
+def test_frames_without_exposure_have_the_black_level_that_a_model_states(name, numbers, tolerance):
+    shape, warm = (160, 200), OperatingPoint(45.0, 0.0, 2.0)
+    effects = [built_in()[name](**numbers)]
+    model = NoiseModel(tuple(effects), 100.0, OperatingPoint(25.0, 1.0, 1.0))
+    (frame,) = simulate(model, shape, [(warm, 1)]).to_numpy().values()
+    shown = 100.0 + model.black_shift(warm, shape)
+    assert float(np.median(frame)) == pytest.approx(shown, abs=tolerance + 1e-3)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from scipy.special import ndtri
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
@@ -14,6 +15,7 @@ from dnanalyze.model.gamma import gamma_deviates
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.thermal import arrhenius
 
+GRID = 64  # points over the rows and over the pixels of a row
 HALF = 0.5  # share of the pixel offsets that a fit without this effect takes for another's
 
 
@@ -95,11 +97,14 @@ class StorageDarkCurrent(Effect):
 
     def _uneven(self, site: Site) -> np.ndarray:
         """Charge of each pixel over the mean of its row, float32."""
-        spread, normal = self.value("spread", site.point), site.fixed_normal()
+        return self._relative(site.fixed_normal(), self.value("spread", site.point))
+
+    def _relative(self, normal: np.ndarray, spread: float) -> np.ndarray:
+        """Charge over its mean from standard normal deviates, float32."""
         if self.law == "gamma" and spread > 0.0:
             return gamma_deviates(normal, math.sqrt(math.expm1(spread**2)))
         single = np.float32(spread)
-        return np.asarray(np.exp(single * (normal - single / 2)))
+        return np.asarray(np.exp(single * (normal - single / 2)), np.float32)
 
     def variance(self, point: OperatingPoint) -> float:
         """w^2 (e^(s^2) (b^2 + b + 1/3) - (b + 1/2)^2), DN^2, at the reference temperature and gain;
@@ -111,11 +116,13 @@ class StorageDarkCurrent(Effect):
     def black_shift(
         self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
     ) -> float:
-        """Median of the charge of the middle row."""
+        """Median of the charge, from `GRID` rows with as many pixels each."""
         w, s, b = (self.value(name, point) for name in ("amplitude", "spread", "before"))
         if reference.temperature_c is not None:
             w *= arrhenius(point.temperature_c, reference.temperature_c, self.value("ea_ev", point))
-        return w * (b + 0.5) * math.exp(-s * s / 2) * point.gain_over(reference)
+        share = (np.arange(GRID) + 0.5) / GRID
+        charge = np.multiply.outer(b + share, self._relative(np.asarray(ndtri(share)), s))
+        return w * point.gain_over(reference) * float(np.median(charge))
 
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """The black level holds the median of the charge, the pixel offsets part of its scatter."""
