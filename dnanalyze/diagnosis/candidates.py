@@ -87,7 +87,9 @@ def trials(
     on_trial(SoFar(list(guesses)))
     found = _refits(null, guesses, on_progress, on_trial)
     promises = {name: own[0].promise for name, own in guesses.items()}
-    made = [t for t in _at_their_optima(null, found, promises) if _shown(null.problem, t)]
+    made = [
+        t for t in _at_their_optima(null, found, promises) if shown(null.problem, t.state, t.effect)
+    ]
     tested = by_standing([_tested(null.problem, t, made) for t in made])
     return by_standing(told_apart(null.problem, tested))
 
@@ -104,7 +106,9 @@ def refitted_once(
     names = list(guesses)[:REFITS]
     if not names or known[names[0]].placing is not Placing.EVERYWHERE:
         return names, []
-    found = [t for t in _refits(null, guesses, on_progress) if _shown(null.problem, t)]
+    found = [
+        t for t in _refits(null, guesses, on_progress) if shown(null.problem, t.state, t.effect)
+    ]
     return names, sorted(found, key=lambda t: -t.evidence)
 
 
@@ -154,9 +158,9 @@ def _tested(problem: FitProblem, found: Trial, trials: Sequence[Trial]) -> Trial
     return replace(found, denied=DENIED if against else "")
 
 
-def _shown(problem: FitProblem, found: Trial) -> bool:
-    """Whether these captures tell a refitted effect from a simpler one."""
-    effect, plan = found.state.model.get(found.effect), problem.plan
+def shown(problem: FitProblem, state: State, name: str) -> bool:
+    """Whether these captures tell an effect of a model, as fitted, from a simpler one."""
+    effect, plan = state.model.get(name), problem.plan
     assert effect is not None
     pixels = sum(math.prod(window.shape) for window in plan.windows)
     return effect.shows_in(max(n for _, n in plan.settings), pixels)

@@ -27,6 +27,7 @@ from dnanalyze.diagnosis.candidates import (
     candidates_of,
     refitted_beside,
     refitted_once,
+    shown,
     trials,
 )
 from dnanalyze.diagnosis.explain import evidence_for
@@ -326,14 +327,16 @@ class Search:
         """The best candidate in the model, and others that stay decisive beside it.
 
         An effect with which the model error, each model by its own yardstick, would exceed
-        ``most`` is not taken: it fits the residual of what else is missing.
+        ``most`` is not taken: it fits the residual of what else is missing. Nor is one that has
+        become, at its optimum, what the captures do not tell from a simpler effect.
         """
         if best.effect == BASE:
             return self._with_law(path, null, best, most)
         made = self._made(null, best, path.tried, self._room(path))
         if len(made) > 1 and not falling([most, *(m.error for m in made)]):
             made = self._made(null, best, path.tried)
-        if made[-1].error > most:
+        told = shown(null.problem, made[0].state, best.effect)
+        if made[-1].error > most or not told:
             return replace(path, refused=(*path.refused, best.effect))
         return self._taken(path, made)
 

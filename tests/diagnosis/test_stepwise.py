@@ -291,6 +291,16 @@ def test_where_effects_together_raise_the_error_the_first_is_added_alone(far, mo
     assert [s.added for s in path.steps[1:]] == [begun.best.effect]
 
 
+def test_an_effect_that_is_a_simpler_one_at_its_optimum_is_not_taken(far, monkeypatch):
+    search, state = Search(far, {"column_fpn": built_in()["column_fpn"]}), fitted(far)
+    null = FittedModel.of(far, state)
+    begun = search._tested(Path(state, (Step(None, null.error),)), null)
+    monkeypatch.setattr(built_in()["column_fpn"], "shows_in", lambda *_: False)
+    path = search._with(begun, null, begun.best, math.inf)
+    assert path.refused == ("column_fpn",)
+    assert [s.added for s in path.steps] == [None]
+
+
 def test_the_whole_field_begins_with_the_candidates_of_the_part(far):
     known = {n: built_in()[n] for n in ("rts", "persistence", "row_noise", "column_fpn")}
     tested: list[str] = []
