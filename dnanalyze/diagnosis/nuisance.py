@@ -84,9 +84,10 @@ def from_moments(problem: FitProblem, model: NoiseModel, effect: Effect) -> Nois
 
     None where the effect does not state what it adds.
     """
-    if any(effect.adds(p, model.reference) is None for p, _ in problem.plan.settings):
+    shape = problem.plan.shape
+    if any(effect.adds(p, model.reference, shape) is None for p, _ in problem.plan.settings):
         return None
-    begun, shape = baseline_model(problem, effect), problem.plan.shape
+    begun = baseline_model(problem, effect)
     for name in (BASE, *BASELINE):
         other = begun.get(name)
         if other is not None and model.get(name) is not None:

@@ -294,7 +294,9 @@ def baseline_model(problem: FitProblem, beside: Effect | None = None) -> NoiseMo
     found = at_a_glance(problem)
     known = problem.direct.gains_at(found.reference.gain)
     gain = next((k.value for k in known if k.source == TRANSFER), None)
-    made = ordinary_model(found if beside is None else less(found, beside), bits, serial, gain)
+    if beside is not None:
+        found = less(found, beside, problem.plan.shape)
+    made = ordinary_model(found, bits, serial, gain)
     return replace(made, unit=problem.plan.unit)
 
 

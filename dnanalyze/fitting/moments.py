@@ -81,13 +81,13 @@ def moments(readings: Readings, black_level: float | None, black: Law | None = N
     return Moments(readings.points, pedestal, signal, temporal, pattern, black)
 
 
-def less(m: Moments, effect: Effect) -> Moments:
-    """The moments less the contribution of an effect, where that is known.
+def less(m: Moments, effect: Effect, shape: tuple[int, int]) -> Moments:
+    """The moments less the contribution of an effect, where that is known; ``shape``: full frame.
 
     Shot noise is of all charge: the temporal variance that the effect's charge makes goes with it,
     in proportion to the signal, or what is left would seem to have a larger gain.
     """
-    told = [effect.adds(p, m.reference) for p in m.points]
+    told = [effect.adds(p, m.reference, shape) for p in m.points]
     if None in told:
         return m
     level, variance = np.array(told, float).T

@@ -306,7 +306,9 @@ class Effect:
         """
         return self.reach
 
-    def adds(self, point: OperatingPoint, reference: OperatingPoint) -> tuple[float, float] | None:
+    def adds(
+        self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
+    ) -> tuple[float, float] | None:
         """What it adds to the level and to the variance of the pattern, DN and DN^2.
 
         Where that is told, and much: a fit without it then has another sensor's dark current, noise
@@ -318,6 +320,8 @@ class Effect:
             Where.
         reference : OperatingPoint
             Where the model's numbers are stated.
+        shape : tuple of int
+            Full frame, (rows, columns).
 
         Returns
         -------

@@ -11,6 +11,7 @@ from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.thermal import arrhenius
 
 POINTS = [OperatingPoint(t, 0.1, 1.0) for t in (25.0, 45.0, 65.0, 85.0)]
+SHAPE = 256, 256
 STEPS = DarkCurrentSteps(step=40.0, mean_number=0.3, ea_ev=0.35)
 GAIN, READ, OFFSETS, SPREAD = 0.8, 2.0, 1.5, 0.4
 
@@ -30,7 +31,7 @@ def exact():
 
 def test_the_rest_of_the_moments_is_the_sensors():
     found, dark = exact()
-    rest = less(found, STEPS)
+    rest = less(found, STEPS, SHAPE)
     np.testing.assert_allclose(rest.signal, dark)
     np.testing.assert_allclose(rest.temporal, READ**2 + GAIN * dark)
     np.testing.assert_allclose(rest.pattern, OFFSETS**2 + np.expm1(SPREAD**2) * dark**2)
@@ -43,11 +44,11 @@ def test_the_rest_of_the_moments_is_the_sensors():
 
 def test_of_what_adds_more_than_there_is_something_stays():
     found, _ = exact()
-    rest = less(found, DarkCurrentSteps(step=1e4, mean_number=3.0))
+    rest = less(found, DarkCurrentSteps(step=1e4, mean_number=3.0), SHAPE)
     for moment in (rest.signal, rest.temporal, rest.pattern):
         assert (moment > 0).all()
 
 
 def test_an_effect_that_does_not_tell_leaves_them_as_they_are():
     found, _ = exact()
-    assert less(found, HotPixels()) is found
+    assert less(found, HotPixels(), SHAPE) is found

@@ -106,14 +106,24 @@ class ColumnFpn(Effect):
         self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
     ) -> float:
         """Median of the transients."""
-        order, gain = np.arange(shape[1]), point.gain_over(reference)
+        return point.gain_over(reference) * float(np.median(self._transients(point, shape)))
+
+    def adds(
+        self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
+    ) -> tuple[float, float]:
+        """No charge, and the variance of the columns with their transients."""
+        variance = self.variance(point) + float(np.var(self._transients(point, shape)))
+        return 0.0, point.gain_over(reference) ** 2 * variance
+
+    def _transients(self, point: OperatingPoint, shape: tuple[int, int]) -> np.ndarray:
+        """Transients of all columns at the reference gain, DN, the column read first at first."""
+        order = np.arange(shape[1])
         height, length, edge, edge_length = (
             self.value(name, point) for name in ("settle", "length", "edge", "edge_length")
         )
-        if not (height or edge):
-            return 0.0
-        fall = height * np.exp(-order / length) + edge * np.exp(-order[::-1] / edge_length)
-        return gain * float(np.median(fall))
+        return np.asarray(
+            height * np.exp(-order / length) + edge * np.exp(-order[::-1] / edge_length)
+        )
 
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2; a transient adds a^2 l / (2 columns), for l far below the columns."""

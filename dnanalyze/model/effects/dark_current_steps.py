@@ -94,7 +94,9 @@ class DarkCurrentSteps(Effect):
         """lambda q^2, DN^2, at the reference temperature, exposure and gain."""
         return self.value("mean_number", point) * self.value("step", point) ** 2
 
-    def adds(self, point: OperatingPoint, reference: OperatingPoint) -> tuple[float, float]:
+    def adds(
+        self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
+    ) -> tuple[float, float]:
         """lambda q and lambda q^2."""
         number, step = self.value("mean_number", point), self._step_at(point, reference)
         return number * step, number * step**2

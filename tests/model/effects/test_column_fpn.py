@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from readout_bench import Given, added, line_clues
@@ -133,3 +135,16 @@ def test_a_second_edge_is_guessed_where_there_is_one(edge):
     # blocks of 4 columns and steps of the grid
     assert found["left"] == pytest.approx((30.0, 20.0), rel=0.2)
     assert found["right"] == (pytest.approx((edge, 50.0), rel=0.2) if edge else (0.0, 50.0))
+
+
+def test_it_adds_the_variance_of_its_columns_and_no_charge():
+    effect = ColumnFpn(3.0, settle=-20.0, length=40.0, edge=9.0, edge_length=7.0)
+    point, here = OperatingPoint(85.0, 10.0, 2.0), OperatingPoint(25.0, 1.0, 1.0)
+    c = offsets(effect)
+    level, variance = effect.adds(point, here, (64, c.size))
+    assert level == 0.0
+    # beside the transients, 3 DN of a normal law scatter the variance of so many columns
+    error = np.sqrt(2 * 9.0**2 + 4 * 9.0 * np.var(offsets(replace(effect, sigma=1e-4)))) / np.sqrt(
+        c.size
+    )
+    assert variance == pytest.approx(4.0 * c.var(), abs=5 * 4.0 * error)

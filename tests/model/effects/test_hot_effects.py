@@ -268,7 +268,7 @@ def test_steps_of_blinking_pixels_scale_as_told():
 def test_what_steps_add_to_level_and_variance_is_what_they_draw(point):
     effect = DarkCurrentSteps(step=7.0, mean_number=0.4, ea_ev=0.35)
     drawn = frames(effect, SHAPE, point=point)
-    level, variance = effect.adds(point, HERE)
+    level, variance = effect.adds(point, HERE, (256, 256))
     n = drawn.size
     assert drawn.mean() == pytest.approx(level, abs=5 * np.sqrt(variance / n))
     # fourth moment of a Poisson law: 3 + 1 / lambda
