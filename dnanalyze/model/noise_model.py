@@ -73,6 +73,7 @@ class NoiseModel:
         Parameters
         ----------
         point : OperatingPoint
+            Where.
         shape : tuple of int
             Full frame, (rows, columns).
 
@@ -80,6 +81,17 @@ class NoiseModel:
         -------
         float
             DN.
+
+        Examples
+        --------
+        Strips of a quarter and three quarters of the columns, 8 DN apart, have the mean 0:
+
+        >>> import dnanalyze
+        >>> from dnanalyze.model.effects.column_taps import ColumnTaps
+        >>> taps = ColumnTaps(sigma=12**0.5, kind="blocks", levels=(1.0, 0.0), begins=(24,))
+        >>> model = dnanalyze.NoiseModel((taps,), 100.0)
+        >>> round(model.black_shift(dnanalyze.OperatingPoint(), (96, 96)), 6)
+        -2.0
         """
         reference = self.reference_of(point.channel)
         return sum(e.black_shift(point, reference, shape) for e in self.effects)
