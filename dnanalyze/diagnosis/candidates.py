@@ -135,13 +135,28 @@ def _refits(
         if own[0].promise < LEAST_GAIN or reach * own[0].promise < null.state.loss - wanted:
             break
         on_progress(name)
-        ended = refitted(null.problem, own[0], null.state, wanted)
+        ended = _refitted_from(null, own, wanted)
         gained = null.state.loss - ended.loss
         reach = max(reach, gained / own[0].promise)
         wanted = min(wanted, null.state.loss - COMPETING_SHARE * gained)
         found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
         on_trial(SoFar(list(guesses), list(found)))
     return found
+
+
+def _refitted_from(null: FittedModel, guesses: Sequence[Guess], wanted: float) -> State:
+    """The refit of the best guess of an effect.
+
+    Where it ends above the loss of the model without the effect, the other from the guess beside
+    that model as fitted: the best may come with a baseline made anew, from where six steps do not
+    always lead back.
+    """
+    ended = refitted(null.problem, guesses[0], null.state, wanted)
+    plain = next((g for g in guesses if g.model.without(g.effect) == null.state.model), None)
+    if ended.loss <= null.state.loss or plain is None or plain is guesses[0]:
+        return ended
+    other = refitted(null.problem, plain, null.state, wanted)
+    return min(ended, other, key=lambda state: state.loss)
 
 
 def _tested(problem: FitProblem, found: Trial, trials: Sequence[Trial]) -> Trial:
