@@ -72,8 +72,12 @@ def _transient(clues: Clues) -> _Transient | None:
     lengths = np.geomspace(_BLOCK, 0.4 * means.size, 24)
     ends = at, clues.field[1] - 1 - at
     shapes = [np.exp(-np.subtract.outer(e, [e.min()]) / lengths) for e in ends]
-    one = min((_fitted(level, shapes, lengths, (side,)) for side in (0, 1)), key=lambda f: f[0])
-    both = _fitted(level, shapes, lengths, (one[1][0].side, 1 - one[1][0].side))
+    smooth = np.vander(np.linspace(-1.0, 1.0, at.size), 3 if _has_bowl(clues) else 1)
+    if smooth.shape[1] > 1:
+        total = float(np.sum((level - smooth @ np.linalg.lstsq(smooth, level, rcond=None)[0]) ** 2))
+    fits = [_fitted(level, smooth, shapes, lengths, (side,)) for side in (0, 1)]
+    one = min(fits, key=lambda f: f[0])
+    both = _fitted(level, smooth, shapes, lengths, (one[1][0].side, 1 - one[1][0].side))
     left, found = both if both[0] < SECOND_LEFT * one[0] else one
     if left > 0.5 * total or found[0].length >= lengths[-1]:
         return None
@@ -92,19 +96,39 @@ class _Decay:
     length: float
 
 
+def _has_bowl(clues: Clues) -> bool:
+    """Whether the model has at least half of the tilt or bowl of the columns that is measured.
+
+    The transients are then those beside it.
+    """
+    for name in ("shading_1_0", "shading_2_0"):
+        seen, model = (
+            np.abs(np.asarray(of(name), float)) for of in (clues.measured, clues.simulated)
+        )
+        if typical(model) > 0.5 * typical(seen):
+            return True
+    return False
+
+
 def _fitted(
-    level: np.ndarray, shapes: list[np.ndarray], lengths: np.ndarray, sides: tuple[int, ...]
+    level: np.ndarray,
+    smooth: np.ndarray,
+    shapes: list[np.ndarray],
+    lengths: np.ndarray,
+    sides: tuple[int, ...],
 ) -> tuple[float, list[_Decay]]:
-    """Least sum of squares of decays from these ends, and the decays; their best lengths."""
+    """Least sum of squares of decays from these ends beside ``smooth``, and the decays; their best
+    lengths.
+    """
     best: tuple[float, list[_Decay]] = (math.inf, [])
     for at in product(range(len(lengths)), repeat=len(sides)):
         columns = [shapes[side][:, n] for side, n in zip(sides, at, strict=True)]
-        design = np.stack([np.ones_like(level), *columns], axis=1)
+        design = np.column_stack([smooth, *columns])
         normal, slope = design.T @ design, design.T @ level
         found = np.linalg.lstsq(normal, slope, rcond=None)[0]
         left = float(level @ level - slope @ found)
         if left < best[0]:
-            heights = map(float, found[1:])
+            heights = map(float, found[smooth.shape[1] :])
             decays = zip(sides, heights, (float(lengths[n]) for n in at), strict=True)
             best = left, [_Decay(*d) for d in decays]
     return best

@@ -148,3 +148,18 @@ def test_it_adds_the_variance_of_its_columns_and_no_charge():
         c.size
     )
     assert variance == pytest.approx(4.0 * c.var(), abs=5 * 4.0 * error)
+
+
+def test_transients_are_guessed_beside_a_bowl_that_the_model_has():
+    column = np.arange(768)
+    profile = 30.0 * np.exp(-column / 20.0) + 40.0 * np.linspace(-1.0, 1.0, 768) ** 2
+    profile += 0.5 * np.random.default_rng(6).standard_normal(768)
+    names = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
+    clues = Given(
+        (256, 768), seen=dict.fromkeys(names, 50.0) | {"shading_2_0": 12.0},
+        model=dict.fromkeys(names, 3.0) | {"shading_2_0": 12.0},
+        off=dict.fromkeys(names, 9.0), profiles={"columns": [profile]},
+    )  # fmt: skip
+    effect = ColumnFpn.guess(clues)[-1]
+    assert (effect.settle, effect.length) == pytest.approx((30.0, 20.0), rel=0.25)
+    assert effect.first == "left"
