@@ -19,19 +19,19 @@ KELVIN = 273.15  # of 0 C
 OVERFLOW = 700.0  # exponent of the largest double
 
 
-def arrhenius(temperature_c: float | None, reference_c: float, ea_ev: float) -> float:
+def arrhenius(temperature_c: float | None, reference_c: float | None, ea_ev: float) -> float:
     """Growth factor exp(-Ea/k (1/T - 1/Tref)) of a thermally activated rate.
 
     Parameters
     ----------
     temperature_c : float or None
         C; unknown gives 1.
-    reference_c : float
-        C, where the factor is 1.
+    reference_c : float or None
+        C, where the factor is 1; unknown gives 1.
     ea_ev : float
         Activation energy, eV.
     """
-    if temperature_c is None:
+    if temperature_c is None or reference_c is None:
         return 1.0
     inverse = 1.0 / (temperature_c + KELVIN) - 1.0 / (reference_c + KELVIN)
     return math.exp(min(OVERFLOW, -ea_ev / BOLTZMANN_EV * inverse))

@@ -13,7 +13,6 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import Law, TableLaw, value_at
 
 LARGEST = 50.0  # |ln(DN/s)| of a dark signal
-LEAST_RISE = 1e-3  # of mu from row to row at the start, inside of its bound
 # Of the dark signal: .2 C of a thermometer move it by 2 % at .8 eV, three errors by 6 %, and a
 # converter is linear to some percent. A level that is off by less may be due to either.
 IRREGULAR = 0.1
@@ -149,7 +148,7 @@ class _Laws:
             if at and self.exposure[at[-1]] > 0:
                 mu[n] = np.log(rate[at[-1]])
         mu = np.clip(mu, -LARGEST, LARGEST)
-        rises = np.maximum(np.diff(mu), LEAST_RISE)
+        rises = np.maximum(np.diff(mu), 0.0)
         level = [float(foot)] if self.black is None else []
         least = [-np.inf, *np.zeros(len(rises)), *([-np.inf] if self.black is None else [])]
         found = least_squares(

@@ -201,6 +201,4 @@ class Site:
         float
             Factor; 1 where a temperature is unknown.
         """
-        if self.reference.temperature_c is None:
-            return 1.0
         return arrhenius(self.point.temperature_c, self.reference.temperature_c, ea_ev)

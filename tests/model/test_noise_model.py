@@ -125,6 +125,7 @@ def test_equal_operating_points_draw_the_same_noise(one):
         ("offset_gradient", {"x": 4.0, "y": -2.0, "xx": 5.0, "yy": 3.0, "xy": 1.0}, 0.1),
         ("column_fpn", {"settle": 30.0, "length": 60.0, "edge": 10.0, "edge_length": 30.0}, 0.3),
         ("storage_dark_current", {"amplitude": 9.0, "before": 0.5, "ea_ev": 0.6}, 0.8),
+        ("dark_gradient", {"wait": -9.0, "ea_ev": 0.6}, 0.3),
         ("amp_glow", {"amplitude": 50.0}, 0.0),
     ],
 )

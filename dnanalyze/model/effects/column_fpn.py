@@ -78,21 +78,11 @@ class ColumnFpn(Effect):
         """Add the offsets."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
         signal += np.float32(sigma) * self._offsets(site)
-        order = site.column_index
-        ends = order, site.shape[1] - 1 - order
-        first, last = ends if self.first == "left" else ends[::-1]
-        if self.settle != 0.0:
-            signal += self._decay("settle", "length", first, site)
-        if self.edge != 0.0:
-            signal += self._decay("edge", "edge_length", last, site)
+        if self.settle != 0.0 or self.edge != 0.0:
+            line = self._transients(site.point, site.shape)
+            line = line if self.first == "left" else line[::-1]
+            signal += np.float32(site.gain_ratio) * line[site.column_index].astype(np.float32)
         return signal
-
-    def _decay(self, height: str, length: str, away: np.ndarray, site: Site) -> np.ndarray:
-        """A transient over the window's columns, float32, DN; ``away``: columns from its end."""
-        level = np.exp(-away / self.value(length, site.point))
-        return np.float32(site.gain_ratio) * (self.value(height, site.point) * level).astype(
-            np.float32
-        )
 
     def _offsets(self, site: Site) -> np.ndarray:
         """Unit offsets of the window's columns; the recursion runs over the whole row."""

@@ -103,9 +103,9 @@ class DarkCurrentSteps(Effect):
 
     def _step_at(self, point: OperatingPoint, reference: OperatingPoint) -> float:
         """Signal of one atom, DN."""
-        step, origin = self.value("step", point), reference.temperature_c
-        if origin is not None:
-            step *= arrhenius(point.temperature_c, origin, self.value("ea_ev", point))
+        energy = self.value("ea_ev", point)
+        growth = arrhenius(point.temperature_c, reference.temperature_c, energy)
+        step = self.value("step", point) * growth
         return step * (point.exposure_over(reference) * point.gain_over(reference))
 
     @classmethod

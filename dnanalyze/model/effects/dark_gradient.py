@@ -10,6 +10,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 from dnanalyze.model.surface import TERMS, low_order
+from dnanalyze.thermal import arrhenius
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,14 @@ class DarkGradient(Effect):
             return np.maximum(1.0 + surface, 0.0).astype(np.float32)
         growth = site.thermal(self.value("ea_ev", site.point))
         return (growth * site.exposure_ratio * site.gain_ratio * surface).astype(np.float32)
+
+    def black_shift(
+        self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
+    ) -> float:
+        """Charge of the middle row of the ramp."""
+        energy = self.value("ea_ev", point)
+        growth = arrhenius(point.temperature_c, reference.temperature_c, energy)
+        return abs(self.value("wait", point)) / 2.0 * growth * point.gain_over(reference)
 
     def variance(self, point: OperatingPoint) -> float | None:
         """Over the field, DN^2, at the reference: the sum of the squares of the coefficients."""

@@ -109,7 +109,8 @@ class Rts(Effect):
         """Not where fewer than `LEAST_CHANGED` change their state: hot pixels look the same.
 
         A two-state chain of occupancy o and correlation r = e^(-1/dwell) stays in its state over n
-        steps with the probability o (o + (1 - o) r)^n + (1 - o) (1 - o + o r)^n.
+        steps with the probability o (o + (1 - o) r)^n + (1 - o) (1 - o + o r)^n. Of occupancies
+        that differ from trap to trap the middle stands for all.
         """
         dwell, o = self.dwell_frames, self.occupancy if self.occupancies == "same" else 0.5
         if not (isinstance(dwell, (int, float)) and isinstance(o, (int, float))):

@@ -16,7 +16,7 @@ from dnanalyze.model.laws import TableLaw
 from dnanalyze.thermal import arrhenius
 
 GRID = 64  # points over the rows and over the pixels of a row
-HALF = 0.5  # share of the pixel offsets that a fit without this effect takes for another's
+HALF = 0.5  # of the pixel offsets of a fit without this effect: where one with it begins
 
 
 @dataclass(frozen=True)
@@ -117,12 +117,13 @@ class StorageDarkCurrent(Effect):
         self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
     ) -> float:
         """Median of the charge, from `GRID` rows with as many pixels each."""
-        w, s, b = (self.value(name, point) for name in ("amplitude", "spread", "before"))
-        if reference.temperature_c is not None:
-            w *= arrhenius(point.temperature_c, reference.temperature_c, self.value("ea_ev", point))
+        w, s, b, energy = (
+            self.value(name, point) for name in ("amplitude", "spread", "before", "ea_ev")
+        )
+        growth = arrhenius(point.temperature_c, reference.temperature_c, energy)
         share = (np.arange(GRID) + 0.5) / GRID
         charge = np.multiply.outer(b + share, self._relative(np.asarray(ndtri(share)), s))
-        return w * point.gain_over(reference) * float(np.median(charge))
+        return w * growth * point.gain_over(reference) * float(np.median(charge))
 
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """The black level holds the median of the charge, the pixel offsets part of its scatter."""

@@ -68,13 +68,12 @@ def _transient(clues: Clues) -> _Transient | None:
     blocks = means[: means.size // _BLOCK * _BLOCK].reshape(-1, _BLOCK).mean(axis=1)
     at = places[: blocks.size * _BLOCK].reshape(-1, _BLOCK).mean(axis=1)
     level = blocks - blocks.mean()
-    total = max(float(level @ level), 1e-30)
+    smooth = np.vander(np.linspace(-1.0, 1.0, at.size), 3 if _has_bowl(clues) else 1)
+    rest = level - smooth @ np.linalg.lstsq(smooth, level, rcond=None)[0]
+    total = max(float(rest @ rest), 1e-30)
     lengths = np.geomspace(_BLOCK, 0.4 * means.size, 24)
     ends = at, clues.field[1] - 1 - at
     shapes = [np.exp(-np.subtract.outer(e, [e.min()]) / lengths) for e in ends]
-    smooth = np.vander(np.linspace(-1.0, 1.0, at.size), 3 if _has_bowl(clues) else 1)
-    if smooth.shape[1] > 1:
-        total = float(np.sum((level - smooth @ np.linalg.lstsq(smooth, level, rcond=None)[0]) ** 2))
     fits = [_fitted(level, smooth, shapes, lengths, (side,)) for side in (0, 1)]
     one = min(fits, key=lambda f: f[0])
     both = _fitted(level, smooth, shapes, lengths, (one[1][0].side, 1 - one[1][0].side))
@@ -91,6 +90,8 @@ def _transient(clues: Clues) -> _Transient | None:
 
 @dataclass(frozen=True)
 class _Decay:
+    """An exponential from the left end, side 0, or the right one; DN and columns."""
+
     side: int
     height: float
     length: float

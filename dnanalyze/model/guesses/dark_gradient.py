@@ -12,7 +12,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_gradient import DarkGradient
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import shows
+from dnanalyze.model.guesses.evidence import shows, straight
 from dnanalyze.model.guesses.surfaces import LEAST_TERM, over_frame, shading, surfaces
 from dnanalyze.model.surface import TERMS
 
@@ -77,10 +77,7 @@ def _waits(clues: Clues) -> dict[str, float] | None:
         places, means = clues.lines("rows", i)
         if means.size < 16 or (point.exposure_s or 0.0) > limit:
             continue
-        x = places - places.mean()
-        slope = float(x @ means / (x @ x))
-        rest = means - means.mean() - slope * x
-        error = math.sqrt(float(rest @ rest) / means.size / float(x @ x))
+        slope, error = straight(places, means)
         if abs(slope) > LEAST_SLOPE * error:
             heights[i] = slope * clues.field[0]
     if not np.isfinite(heights).any():

@@ -132,3 +132,12 @@ def power_law(frequency: np.ndarray, power: np.ndarray, weight: np.ndarray) -> t
     mx, my = np.average(x, weights=w), np.average(y, weights=w)
     slope = np.sum(w * (x - mx) * (y - my)) / max(np.sum(w * (x - mx) ** 2), 1e-12)
     return float(np.exp(my - slope * mx)), float(-slope)
+
+
+def straight(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+    """Slope of a line through values and its standard error, by least squares."""
+    x, y = x - x.mean(), y - y.mean()
+    square = float(x @ x)
+    slope = float(x @ y) / square
+    rest = y - slope * x
+    return slope, math.sqrt(float(rest @ rest) / y.size / square)
