@@ -156,3 +156,29 @@ def test_a_median_mixed_into_few_codes_promises_most_at_its_share(share):
     first = score_tests(problem, baseline(problem), {"denoise": KNOWN["denoise"]})[0]
     found = first.model.get("denoise")
     assert (found.kind, found.strength) == (hidden.kind, hidden.strength)
+
+
+def test_a_baseline_beside_a_guess_is_of_all_operating_points():
+    """Also where two of them are enough to compare the guesses."""
+    points = [OperatingPoint(t, 0.1, 1.0) for t in (25.0, 45.0, 65.0, 85.0)]
+    levels = TableLaw(tuple(points), (1.0, 2.0, 3.0, 4.0))
+    strips = KNOWN["column_taps"](sigma=40.0, kind="blocks", levels=(2.0, -0.5), begins=(30,))
+    effects = (KNOWN["convolved_lognormal"](mu=levels, delta=0.3, sigma=1e-6),
+               KNOWN["read_noise"](sigma=2.0), KNOWN["quantization"](), strips)  # fmt: skip
+    made = simulate(NoiseModel(effects, 200.0, points[0]), (128, 128), [(p, 3) for p in points])
+    problem = fit_problem(design(made))
+    model = baseline_model(problem)
+    begun = start(problem, model, free_parameters(model))
+    anew = [
+        g.model
+        for g in score_tests(problem, begun, {"column_taps": KNOWN["column_taps"]})
+        if g.model.without("column_taps") != model
+    ]
+    assert anew
+    for beside in anew:
+        assert (
+            beside.get("convolved_lognormal").mu.points
+            == model.get("convolved_lognormal").mu.points
+        )
+    # of 40 DN of the strips the offsets of the pixels have a small part left
+    assert min(m.get("pixel_fpn").sigma for m in anew) < 0.2 * model.get("pixel_fpn").sigma

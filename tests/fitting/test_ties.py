@@ -94,6 +94,9 @@ def test_the_black_level_of_frames_is_the_pedestal_with_the_median_of_fixed_offs
     (tie,) = Direct(level=level).ties(model, free_parameters(model), SHAPE)
     # 24 of 96 columns at a, 72 at -a / 3 with a mean square of 1
     assert tie.position == pytest.approx(60.0 + 6.0 / np.sqrt(3.0))
+    rows = replace(model, pedestal=level.law)
+    (tie,) = Direct(level=level).ties(rows, free_parameters(rows), SHAPE)
+    assert tie.position == pytest.approx(60.0 + 6.0 / np.sqrt(3.0))
 
 
 def moved_by(shift):
