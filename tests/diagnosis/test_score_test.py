@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.score_test import LONGEST, along, much_left, restricted, score_tests
+from dnanalyze.diagnosis.score_test import (
+    LONGEST,
+    along,
+    much_left,
+    restricted,
+    score_tests,
+    telling,
+)
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.free_parameters import free_parameters
@@ -13,6 +20,7 @@ from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import State, deviance, start
+from dnanalyze.fitting.ties import SessionLevels
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import HALF_THE_VARIANCE, Effect
 from dnanalyze.model.laws import TableLaw
@@ -158,8 +166,8 @@ def test_a_median_mixed_into_few_codes_promises_most_at_its_share(share):
     assert (found.kind, found.strength) == (hidden.kind, hidden.strength)
 
 
-def test_a_baseline_beside_a_guess_is_of_all_operating_points():
-    """Also where two of them are enough to compare the guesses."""
+def test_a_baseline_beside_a_guess_has_the_black_levels_of_all_operating_points():
+    """Also of those at which the guesses are not compared."""
     points = [OperatingPoint(t, 0.1, 1.0) for t in (25.0, 45.0, 65.0, 85.0)]
     levels = TableLaw(tuple(points), (1.0, 2.0, 3.0, 4.0))
     strips = KNOWN["column_taps"](sigma=40.0, kind="blocks", levels=(2.0, -0.5), begins=(30,))
@@ -169,16 +177,16 @@ def test_a_baseline_beside_a_guess_is_of_all_operating_points():
     problem = fit_problem(design(made))
     model = baseline_model(problem)
     begun = start(problem, model, free_parameters(model))
-    anew = [
-        g.model
-        for g in score_tests(problem, begun, {"column_taps": KNOWN["column_taps"]})
-        if g.model.without("column_taps") != model
-    ]
+    away = next(n for n in range(4) if n not in telling(problem, begun))
+    black = TableLaw(tuple(points), tuple(230.0 if n == away else 200.0 for n in range(4)))
+    sessions = SessionLevels(black, np.full(4, 0.1), (points[away],))
+    problem = replace(problem, direct=replace(problem.direct, sessions=sessions))
+    taps = {"column_taps": KNOWN["column_taps"]}
+    found = [g.model for g in score_tests(problem, begun, taps)]
+    anew = [m for m in found if m.without("column_taps") != model]
     assert anew
     for beside in anew:
-        assert (
-            beside.get("convolved_lognormal").mu.points
-            == model.get("convolved_lognormal").mu.points
-        )
+        shown = [beside.pedestal.at(p) + beside.black_shift(p, (128, 128)) for p in points]
+        assert shown == pytest.approx(black.values)
     # of 40 DN of the strips the offsets of the pixels have a small part left
     assert min(m.get("pixel_fpn").sigma for m in anew) < 0.2 * model.get("pixel_fpn").sigma
