@@ -323,6 +323,7 @@ def test_nothing_is_taken_with_which_the_model_error_would_rise(problem, null):
     assert search._exchanged(best, "row_noise", null, found) is None
     taken = search._exchanged(worst, "row_noise", null, found)
     assert [s.added for s in taken.steps] == [None, "-row_noise", "row_fpn"]
+    assert taken.steps[1].error == taken.steps[2].error  # the model between them is none to show
     law = replace(trial(null, 1000.0), effect=BASE)
     assert search._with_law(best, null, law, best.error).refused == (BASE,)
     assert search._with_law(worst, null, law, worst.error).refused == ()
