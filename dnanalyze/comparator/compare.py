@@ -24,6 +24,7 @@ from dnanalyze.fitting.whole_field import Coverage, coverage
 from dnanalyze.fitting.yardstick import by_design
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.registry import BASE
 from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
@@ -139,20 +140,29 @@ def compare_on(
     problem = problem or problem_of(captures, model, executor)
     begun = None if model is not None else with_seed(problem, None, seed)
     model = None if model is None else with_seed(problem, model, seed)
-    paper = fit_on(captures, begun, problem=problem, replicates=0, on_state=on_state).state
-    problem = by_design(problem, model or paper.model)
-    m = at_a_glance(problem)
-    plain = problem.statistics(as_captured(problem, gaussian_model(m)), errors=True)
-    made = problem.statistics(model or paper.model, errors=True)
+    paper = fit_on(captures, begun, problem=problem, replicates=0, on_state=on_state).model
+    model = model or paper
+    return compared(captures, by_design(problem, model), model, paper)
+
+
+def compared(
+    captures: CaptureSet, problem: FitProblem, model: NoiseModel, paper: NoiseModel | None
+) -> Comparison:
+    """`compare` by the yardstick of ``problem``.
+
+    ``paper``: the fitted Wang 2025 model; None where it is not known.
+    """
+    plain = problem.statistics(as_captured(problem, gaussian_model(at_a_glance(problem))), True)
+    made = problem.statistics(model, errors=True)
     z = problem.test.z(prediction(made, 1, problem.test))
-    baselines = {
-        "gaussian": error_of(problem, plain),
-        "paper": error_of(problem, made if model is None else problem.statistics(paper.model)),
-    }
+    baselines = {"gaussian": error_of(problem, plain)}
+    if paper is not None:
+        same = paper == model
+        baselines["paper"] = error_of(problem, made if same else problem.statistics(paper))
     rows = table(problem, made)
     return Comparison(
         captures,
-        model or paper.model,
+        model,
         pooled(z, problem.test.families),
         baselines,
         family_errors(z, problem.test.families),
@@ -162,8 +172,21 @@ def compare_on(
         made[1],
         plain[1],
         problem.level(problem.train.z(prediction(made, 0, problem.train)), z),
-        coverage(problem.plan, model or paper.model),
+        coverage(problem.plan, model),
     )
+
+
+def paper_model(
+    problem: FitProblem, begun: NoiseModel | None, in_time: bool = True
+) -> NoiseModel | None:
+    """The fitted Wang 2025 model: ``begun``, with which a search began, if that is one.
+
+    Else it is fitted; None where the time is up.
+    """
+    if begun is not None and set(begun.names) <= {BASE, "quantization"}:
+        return begun
+    captures = problem.plan.captures
+    return fit_on(captures, replicates=0, problem=problem).model if in_time else None
 
 
 def error_of(problem: FitProblem, made: list[Statistics]) -> float:

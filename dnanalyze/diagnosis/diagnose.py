@@ -161,6 +161,7 @@ def diagnose_on(
     baseline: State | None = None
 
     def whole(found: Diagnosis) -> Diagnosis:
+        found = replace(found, begun=asked.model)
         return found if baseline is None else _with_baseline_listed(problem, asked, baseline, found)
 
     def kept(found: Diagnosis) -> None:

@@ -137,16 +137,17 @@ def refine_on(
 
     def kept(path: Path) -> None:
         so_far.append(path)
-        on_result(_so_far(captures, unlimited, path))
+        on_result(_so_far(captures, path))
 
     search = Search(problem, open_to, tuple(begun.names), limits, on_step, on_progress, kept)
     try:
         path = search.run(state, exclude)
     except TimeUp:
-        return replace(_so_far(captures, unlimited, so_far[-1]), timed_out=True)
+        return replace(_so_far(captures, so_far[-1]), timed_out=True)
+    ended = FittedModel.of(unlimited, path.state)
     found = judge(
         captures,
-        FittedModel.of(unlimited, path.state),
+        ended,
         path.tried,
         path.best,
         known,
@@ -167,7 +168,7 @@ def refine_on(
             for s in steps
         ]
     return replace(
-        _so_far(captures, unlimited, path),
+        _so_far(captures, replace(path, state=ended.state, problem=ended.problem)),
         steps=steps,
         verdict=found.verdict,
         diagnosis=found,
@@ -176,11 +177,12 @@ def refine_on(
     )
 
 
-def _so_far(captures: CaptureSet, problem: FitProblem, path: Path) -> Refinement:
+def _so_far(captures: CaptureSet, path: Path) -> Refinement:
     """A refinement that is not finished."""
     state = path.state
+    assert path.problem is not None
     return Refinement(
-        captures, list(path.steps), state.model.names, "missing", state.model, None, problem,
+        captures, list(path.steps), state.model.names, "missing", state.model, None, path.problem,
         state,
     )  # fmt: skip
 

@@ -106,6 +106,8 @@ class Diagnosis(Result):
         Recommended captures.
     model : NoiseModel
         The refitted model, to which the candidates were added.
+    begun : NoiseModel
+        The starting model, refitted.
     trials : list of Trial
         The candidates as they were refitted.
     ordinary : list of str
@@ -135,6 +137,7 @@ class Diagnosis(Result):
     detection_limits: dict[str, DetectionLimit] = field(default_factory=dict)
     next_capture: list[str] = field(default_factory=list)
     model: NoiseModel | None = None
+    begun: NoiseModel | None = None
     trials: list[Trial] = field(default_factory=list)
     ordinary: list[str] = field(default_factory=list)
     level: Level | None = None
@@ -168,7 +171,7 @@ class Refinement(Result):
     diagnosis : Diagnosis or None
         Of the final model; None where the refinement is not finished.
     problem : FitProblem
-        The statistics that were fitted, and the simulations of it.
+        The statistics that were fitted, by the yardstick of the last error, and their simulation.
     state : State
         The last step of the fit.
     by_hand : bool

@@ -53,11 +53,17 @@ def score_tests(
 
     Largest promise first; none of an effect of which the residual shows no sign. ``state``: the
     fitted model without the candidates. ``on_progress``: called with each name.
+
+    Raises
+    ------
+    TimeUp
+        The time is up.
     """
     clues, view = Residual(problem, state), _View.of(problem, state)
     found: list[Guess] = []
     for name, effect in known.items():
         on_progress(name)
+        problem.limit.check()
         found += view.promises(effect.guess(clues), effect.placing)
     return sorted(found, key=lambda g: -g.promise)
 

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.selection import Trial
+from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.model.registry import BASELINE
 
@@ -23,6 +24,7 @@ class Path:
     candidates tried before all others: those of other statistics that were significant beside the
     last one, and those with the largest score tests on a part of the field. At the end, ``tried``:
     the candidates tested last, and ``best``: the significant one that a limit of the user kept out.
+    ``problem``: the captures by the yardstick by which the last error is stated.
     """
 
     state: State
@@ -33,6 +35,7 @@ class Path:
     open: tuple[str, ...] = ()
     tried: tuple[Trial, ...] = ()
     best: Trial | None = None
+    problem: FitProblem | None = None
 
     @property
     def error(self) -> float:

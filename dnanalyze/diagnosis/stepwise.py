@@ -491,7 +491,14 @@ class Search:
     def _kept(self, path: Path) -> None:
         steps = descending(path.steps)
         if len(steps) == len(path.steps):
-            self.on_path(replace(path, state=self._on_whole(path.state), steps=tuple(steps)))
+            there, state = self._as_stated(path.state)
+            self.on_path(replace(path, state=state, steps=tuple(steps), problem=there))
 
-    def _on_whole(self, state: State) -> State:
-        return state if self.whole is None else carried(state, self.problem, self.whole)
+    def _as_stated(self, state: State) -> tuple[FitProblem, State]:
+        """The whole field and a state by the yardstick of its error, whatever the time."""
+        untimed = self.problem.within(TimeLimit())
+        own = FittedModel.of(untimed, state)
+        if self.whole is None:
+            return own.problem, own.state
+        there = self.whole.scaled_as(own.problem).within(TimeLimit())
+        return there, carried(state, untimed, there)

@@ -472,7 +472,7 @@ def standard_errors(problem: FitProblem, state: State, simulate: bool = True) ->
 
     Parameters
     ----------
-    held : FitProblem
+    problem : FitProblem
     state : State
     simulate : bool
         Whether replicates are simulated for the errors; else these are NaN.

@@ -54,12 +54,16 @@ def diagnose(
     )
 
     def page() -> Page:
-        from dnanalyze.comparator.compare import compare_on
+        from dnanalyze.comparator.compare import compared, paper_model
         from dnanalyze.comparator.rivals import of_diagnosis
+        from dnanalyze.fitting.yardstick import by_design
         from dnanalyze.report.results import diagnosis as report
 
         with session.progress("Comparing the model with the captures"):
-            comparison = compare_on(found, diagnosis.model, problem=problem)
+            assert diagnosis.model is not None
+            paper = paper_model(problem, diagnosis.begun, in_time=diagnosis.finished)
+            there = by_design(problem, diagnosis.model)
+            comparison = compared(found, there, diagnosis.model, paper)
             beside = of_diagnosis(problem, diagnosis)
         return report.page(diagnosis, comparison, beside)
 

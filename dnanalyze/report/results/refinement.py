@@ -106,10 +106,11 @@ def evidence(steps: Sequence[Step]) -> list[str]:
 
 def page(result: Refinement) -> Page:
     """The report: the final model compared with the captures, and the step before it."""
-    from dnanalyze.comparator.compare import compare_on
+    from dnanalyze.comparator.compare import compared, paper_model
     from dnanalyze.comparator.rivals import of_steps
 
-    comparison = compare_on(result.captures, result.model, problem=result.problem)
+    paper = paper_model(result.problem, result.steps[0].model, in_time=not result.timed_out)
+    comparison = compared(result.captures, result.problem, result.model, paper)
     beside = of_steps(result.problem, result.steps, named_effects(result.steps))
     return page_so_far(result, comparison, beside)
 
