@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dnanalyze.fitting.placement import middle, placed, surveyed
+from dnanalyze.fitting.pooling import pooled
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor, Setting, Window
 from dnanalyze.loaders.code_unit import code_unit, in_codes
 
@@ -28,7 +29,8 @@ class Design:
     taps, a defect line) is fitted on one half and judged on the other.
     Large-scale shading, which has only one realisation over the field, is split by a checkerboard
     of blocks. ``everything``: the captures with all settings and frames. All are in
-    codes, each of ``unit`` in the files.
+    codes, each of ``unit`` in the files. ``members``: operating points that each setting stands
+    for (see `pooled`).
     """
 
     captures: CaptureSet
@@ -36,6 +38,7 @@ class Design:
     test: Window
     everything: CaptureSet
     unit: float = 1.0
+    members: tuple[int, ...] = ()
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -76,7 +79,7 @@ class Design:
 def design(
     captures: CaptureSet,
     budget: int = BUDGET_PIXELS,
-    most_settings: int = MOST_SETTINGS,
+    most_settings: int | None = MOST_SETTINGS,
     unit: float | None = None,
 ) -> Design:
     """Choose settings, frames and halves within a budget of pixels.
@@ -86,15 +89,20 @@ def design(
     captures : CaptureSet
     budget : int
         Pixels over all frames; large captures are thinned: settings first, then frames, then area.
-    most_settings : int
-        Settings kept, spread over the operating points.
+    most_settings : int, optional
+        Settings kept, spread over the operating points, after those that frames do not tell apart
+        were pooled; None keeps every operating point as it is.
     unit : float, optional
         Value of a code in the files: that of a model, where one is given; by default as the frames
         tell it.
     """
     unit = code_unit(captures) if unit is None else unit
     captures = in_codes(captures, unit)
-    chosen = _spread(captures.settings, most_settings)
+    pools = [(setting, 1) for setting in captures.settings]
+    if most_settings is not None:
+        pools = pooled(captures.settings, captures.sensor.shape)
+    chosen = _spread(tuple(setting for setting, _ in pools), most_settings or len(pools))
+    members = {setting.point: count for setting, count in pools}
     rows, cols = captures.sensor.shape
     per_frame = budget / (len(chosen) * rows * cols)
     count = int(min(MOST_FRAMES, max(3, per_frame)))
@@ -111,7 +119,8 @@ def design(
     top, left = around.top, around.left
     train = Window(top, top + half, left, left + wide)
     test = Window(around.bottom - half, around.bottom, left, left + wide)
-    return Design(replace(captures, settings=thinned), train, test, captures, unit)
+    counts = tuple(members[s.point] for s in thinned)
+    return Design(replace(captures, settings=thinned), train, test, captures, unit, counts)
 
 
 def _period(sensor: Sensor) -> int:

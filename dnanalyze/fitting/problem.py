@@ -175,7 +175,9 @@ class FitProblem:
     def only(self, settings: list[int]) -> FitProblem:
         """The same problem with some of its settings."""
         chosen = tuple(self.plan.captures.settings[i] for i in settings)
-        plan = replace(self.plan, captures=replace(self.plan.captures, settings=chosen))
+        members = tuple(self.plan.members[i] for i in settings)
+        captures = replace(self.plan.captures, settings=chosen)
+        plan = replace(self.plan, captures=captures, members=members)
         return replace(
             self,
             plan=plan,

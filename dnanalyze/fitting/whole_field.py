@@ -72,6 +72,8 @@ class Coverage:
         The whole of it, (rows, columns).
     departures : tuple of Departure, optional
         Where the model departs from the rest of the field; None where that was not compared.
+    pooled, pools : int
+        Operating points that were taken as so many fewer, since their frames do not differ.
     """
 
     settings: int
@@ -81,6 +83,8 @@ class Coverage:
     window: Window
     field: tuple[int, int]
     departures: tuple[Departure, ...] | None = None
+    pooled: int = 0
+    pools: int = 0
 
     @property
     def share(self) -> float:
@@ -103,13 +107,15 @@ def coverage(plan: Design, model: NoiseModel | None = None) -> Coverage:
     """Coverage of a design; with a model, its deviation from the rest of the field."""
     chosen, every = plan.captures.settings, plan.everything.settings
     return Coverage(
-        len(chosen),
+        sum(plan.members),
         len(every),
         sum(len(s.frames) for s in chosen),
         sum(len(s.frames) for s in every),
         _around(plan),
         plan.shape,
         None if model is None else tuple(departures(plan, model)),
+        sum(n for n in plan.members if n > 1),
+        sum(n > 1 for n in plan.members),
     )
 
 

@@ -69,7 +69,7 @@ def coverage(result: Comparison | Diagnosis | Refinement) -> Document:
     seen = result.coverage
     if seen is None:
         return {"coverage": None}
-    keys = "settings", "all_settings", "frames", "all_frames", "window", "field", "share"
+    keys = "settings", "all_settings", "frames", "all_frames", "window", "field", "share", "pooled"
     off = seen.departures
     fields = "kind", "place", "row", "column", "difference_dn", "sigma", "share"
     told = None if off is None else [point(d.point) | fields_of(d, *fields) for d in off]

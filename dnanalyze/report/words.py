@@ -344,6 +344,13 @@ def coverage_words(seen: Coverage | None) -> list[str]:
             f"({number(100 * seen.share, 2)} %: from row {window.top:,} and column {window.left:,})"
         )
     made = [sentence(f"this result is based on {listing(parts)}")] if parts else []
+    if seen.pooled:
+        made.append(
+            sentence(
+                f"the frames of {seen.pooled} operating points do not differ beyond noise: they "
+                f"count as {seen.pools}"
+            )
+        )
     if seen.whole or seen.departures is None:
         return made
     if not seen.departures:
