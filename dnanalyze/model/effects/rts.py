@@ -23,6 +23,8 @@ from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.telegraph import Telegraph, add_telegraph
 
 LEAST_CHANGED = 0.1  # share of the traps that change their state within a series, to be told
+LEAST_RETURNED = 0.1  # share of these that are up in more than one frame
+SEVERAL = 3  # frames from which one can be up in two and down in one
 
 
 @dataclass(frozen=True)
@@ -106,18 +108,30 @@ class Rts(Effect):
         return ("occupancy",) if self.occupancies == "spread" else ()
 
     def shows_in(self, frames: int, pixels: int) -> bool:
-        """Not where fewer than `LEAST_CHANGED` change their state: hot pixels look the same.
+        """Whether these frames tell a trap from a hot pixel, and from a pixel that is hit once.
 
-        A two-state chain of occupancy o and correlation r = e^(-1/dwell) stays in its state over n
-        steps with the probability o (o + (1 - o) r)^n + (1 - o) (1 - o + o r)^n. Of occupancies
-        that differ from trap to trap the middle stands for all.
+        A hot pixel does not change its state; at least `LEAST_CHANGED` of the traps must. A pixel
+        that is hit is up in one frame; at least `LEAST_RETURNED` of the traps that change must not
+        be, where there are frames enough for it. A two-state chain of occupancy o and correlation
+        r = e^(-1/dwell) goes up with u = o (1 - r) and down with d = (1 - o) (1 - r) a step. It
+        stays in its state over n steps with the probability o (1 - d)^n + (1 - o) (1 - u)^n, and is
+        up in one of n + 1 frames, which is the first, the last or one between them, with
+        o d (1 - u)^(n-1) + (1 - o) u (1 - u)^(n-1) + (n - 1) (1 - o) u d (1 - u)^(n-2). Of
+        occupancies that differ from trap to trap the middle stands for all.
         """
         dwell, o = self.dwell_frames, self.occupancy if self.occupancies == "same" else 0.5
         if not (isinstance(dwell, (int, float)) and isinstance(o, (int, float))):
             return True
-        r, steps = math.exp(-1.0 / dwell), frames - 1
-        still = o * (o + (1.0 - o) * r) ** steps + (1.0 - o) * (1.0 - o + o * r) ** steps
-        return 1.0 - still >= LEAST_CHANGED
+        n, r = frames - 1, math.exp(-1.0 / dwell)
+        up, down = o * (1.0 - r), (1.0 - o) * (1.0 - r)
+        changed = 1.0 - o * (1.0 - down) ** n - (1.0 - o) * (1.0 - up) ** n
+        if changed < LEAST_CHANGED:
+            return False
+        if frames < SEVERAL or self.polarity != "up":
+            return True
+        ends = (o * down + (1.0 - o) * up) * (1.0 - up) ** (n - 1)
+        once = ends + (n - 1) * (1.0 - o) * up * down * (1.0 - up) ** (n - 2)
+        return changed - once >= LEAST_RETURNED * changed
 
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
         """A spread of sigma over pixels makes noisier pixels too."""

@@ -1,5 +1,7 @@
 """Hot pixels, clusters, quantised dark current and blinking against their closed forms."""
 
+import itertools
+
 import numpy as np
 import pytest
 from charge_bench import HERE, LOUD, WARM, MadeUpClues, frames, growth
@@ -9,7 +11,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.hot_clusters import HotClusters
 from dnanalyze.model.effects.hot_pixels import HotPixels
-from dnanalyze.model.effects.rts import LEAST_CHANGED, Rts
+from dnanalyze.model.effects.rts import LEAST_CHANGED, LEAST_RETURNED, Rts
 from dnanalyze.model.guesses.rts import SLOW
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.thermal import arrhenius
@@ -511,3 +513,25 @@ def test_rates_of_a_narrow_peak_are_normal_about_it():
     p = 0.02
     assert effect.variance(HERE) == pytest.approx(p * (2500 + 25) - (p * 50) ** 2)
     assert effect.inactive_parameters() == ("tail",)
+
+
+@pytest.mark.parametrize(
+    ("occupancy", "dwell", "frames", "shown"),
+    [(0.02, 0.05, 7, False), (0.5, 0.05, 7, True), (0.1, 0.5, 7, True), (0.06, 0.05, 3, False)],
+)
+def test_traps_that_are_up_in_one_frame_are_pixels_that_are_hit(occupancy, dwell, frames, shown):
+    """Every sequence of states with its probability; `shows_in` has the sums in closed form."""
+    r = np.exp(-1.0 / dwell)
+    up, down = occupancy * (1.0 - r), (1.0 - occupancy) * (1.0 - r)
+    step = np.array([[1.0 - up, up], [down, 1.0 - down]])
+    changed = returned = 0.0
+    for states in itertools.product((0, 1), repeat=frames):
+        chance = (1.0 - occupancy, occupancy)[states[0]]
+        for before, after in itertools.pairwise(states):
+            chance *= step[before, after]
+        changed += chance * (0 < sum(states) < frames)
+        returned += chance * (1 < sum(states) < frames)
+    told = changed >= LEAST_CHANGED and returned >= LEAST_RETURNED * changed
+    assert told == shown
+    trap = Rts(0.05, 30.0, occupancy=occupancy, dwell_frames=dwell)
+    assert trap.shows_in(frames, 256 * 256) == shown
