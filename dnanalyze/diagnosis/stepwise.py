@@ -62,7 +62,7 @@ from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.time_limit import TimeLimit
-from dnanalyze.fitting.yardstick import by_design, expressed, fitted_in, measured_by
+from dnanalyze.fitting.yardstick import by_design, expressed, fitted_in
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE, BASELINE
 from dnanalyze.progress import ignored
@@ -422,20 +422,24 @@ class Search:
         path = replace(path, state=state, steps=tuple(steps), converged=True, refused=refused)
         last = steps[-1]
         if last.added in self._added(state) and last.error > steps[-2].error:
-            path = self._undone(path)
+            return self._converged(self._undone(path), near)
         self._kept(path)
         return self._reduced(path)
 
     def _undone(self, path: Path) -> Path:
-        """Without the last effect: refitted, or the model before it where that error is lower."""
+        """The model before the last effect, whose step is none."""
         last, before = path.steps[-1], path.steps[-2]
+        model = before.model
+        assert model is not None
         assert last.added is not None
-        whole, state = measured_by(self.problem, path.state)
-        state = expressed(converge(whole, removal(whole, state, last.added)), whole, self.problem)
-        error, model = self._error(state), before.model
-        if model is not None and error > before.error:
-            state, error = start(self.problem, model, free_parameters(model)), before.error
-        return self._without(path, state, [last.added], error)
+        self.on_step(Step(f"-{last.added}", before.error, model=model))
+        return replace(
+            path,
+            state=start(self.problem, model, free_parameters(model)),
+            steps=path.steps[:-1],
+            dropped=(*path.dropped, last.added),
+            converged=False,
+        )
 
     def _with_law(self, path: Path, null: FittedModel, law: Trial, most: float) -> Path:
         """The spread of the dark current free to change with temperature: no effect more."""
