@@ -36,15 +36,18 @@ class CosmicRays(Effect):
         "(landau; Moyal's law with a width of a quarter of the most probable charge). A length far "
         "below 1 makes hits of single pixels, with even and landau of exactly one. A hit is in "
         "one frame only, lights one pixel or a line of "
-        "them, and the number of hits grows with exposure and area but not with temperature. The "
+        "them, and the number of hits grows with exposure and area but not with temperature. A "
+        "frame also has the hits of the time for which it waits to be read (`readout_s`): a bias "
+        "frame of a CCD has some. The "
         "median of several frames removes them; single frames need a detector of sharp edges."
     )
     formula: ClassVar[str] = (
-        "number ~ Pois(rate x Mpx x exposure); each: uniform place and direction, length Exp(l), "
-        "charge Exp(E), or Exp(E) (1 + length) / (1 + l), spread evenly along it and bilinearly "
-        "over the pixels; or of round(length) + 1 steps a pixel apart, each in the pixel that it "
+        "number ~ Pois(rate x Mpx x (exposure + readout time)); each: uniform place and "
+        "direction, length Exp(l), charge Exp(E), or Exp(E) (1 + length) / (1 + l), spread evenly "
+        "along it and bilinearly over the pixels; or of round(length) + 1 steps a pixel apart, "
+        "each in the pixel that it "
         "is in, of one charge (even) or times Moyal's law (landau); mean added a pixel "
-        "rate x exposure x E / 1e6"
+        "rate x (exposure + readout time) x E / 1e6"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Groom, Experimental Astronomy 14 (2002)",
@@ -81,6 +84,9 @@ class CosmicRays(Effect):
         "even",
         "landau",
     )
+    readout_s: float = parameter(
+        0.0, "s", 0.0, 1e4, "mean time beyond the exposure in which a frame collects hits"
+    )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the tracks of this frame that cross the window."""
@@ -113,7 +119,7 @@ class CosmicRays(Effect):
         rows, columns = site.shape
         exposure = site.point.exposure_s
         mean = self.value("rate", site.point) * rows * columns * 1e-6
-        mean *= 1.0 if exposure is None else exposure
+        mean *= 1.0 if exposure is None else exposure + self.value("readout_s", site.point)
         random = site.frame_stream.generator()
         number = poisson_quantile(random.random(), mean)
         u = random.random((number, 5))

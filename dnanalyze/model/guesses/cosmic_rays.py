@@ -12,7 +12,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.cosmic_rays import STEPPED, CosmicRays
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import curve, excess, shows
+from dnanalyze.model.guesses.evidence import SIGN, curve, excess, shows
 
 LIMIT, CUT = 8.0, 6.0  # noises that a transient stands out by, and a difference of two frames
 REACH, MUCH = 60.0, 0.1  # noises up to which differences are counted, nearly; share beyond
@@ -36,13 +36,17 @@ def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
         return []
     place = int(np.nanargmin(np.where(good, noise, np.nan)))  # hot pixels flicker less there
     a_pixel, reached = _charge(clues, place, noise[place])
-    quiet = good & (noise <= QUIET * noise[place])  # noise breaks tracks into pieces
+    quiet = (noise > 0) & (noise <= QUIET * noise[place])  # noise breaks tracks into pieces
     seen = _clumps(clues, hits, quiet)
     length, rate, pixels = _by_share(clues, hits, good) if seen is None else seen.tracks(CROSSED)
+    waits = 0.0 if seen is None else seen.readout_s
     unseen = np.exp(-min(LIMIT * float(noise[place]) / a_pixel, 3.0))
     energy = a_pixel / hints.gains(clues)[place] * pixels
     more = (1, 10) if reached else (1,)
-    numbers = [clip(effect, rate=rate / unseen, energy=energy * f, length=length) for f in more]
+    numbers = [
+        clip(effect, rate=rate / unseen, energy=energy * f, length=length, readout_s=waits)
+        for f in more
+    ]
     guesses: list[Effect] = [effect(**n, charge=kind) for kind in KINDS for n in numbers]
     if seen is None:
         return guesses
@@ -50,7 +54,7 @@ def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
     energy = (
         (a_pixel + math.sqrt(2.0) * CUT * float(noise[place])) / hints.gains(clues)[place] * pixels
     )
-    values = clip(effect, rate=rate, energy=energy, length=length)
+    values = clip(effect, rate=rate, energy=energy, length=length, readout_s=waits)
     return [*guesses, *(effect(**values, charge=kind) for kind in STEPPED)]
 
 
@@ -67,12 +71,15 @@ class _Clumps:
         Million pixels times seconds, or times frames where the exposure is unknown.
     border : float
         Length of the border over the area, 1/pixel.
+    readout_s : float
+        Time beyond the exposures in which hits came, s; it is in ``exposed``.
     """
 
     count: float
     pixels: float
     exposed: float
     border: float
+    readout_s: float
 
     def tracks(self, crossed: float) -> tuple[float, float, float]:
         """Mean length, rate, and pixels a hit.
@@ -86,22 +93,47 @@ class _Clumps:
         return length, self.count / self.exposed / (1.0 + cut * length), 1.0 + crossed * length
 
 
-def _clumps(clues: Clues, hits: np.ndarray, good: np.ndarray) -> _Clumps | None:
+def _clumps(clues: Clues, hits: np.ndarray, quiet: np.ndarray) -> _Clumps | None:
     """What these settings show beyond the model; None where the sizes of clumps are not at hand."""
-    count, pixels, exposed = 0.0, 0.0, 0.0
+    rows: list[tuple[float, float, float, float]] = []
     high = np.asarray(clues.measured("transient_high"), float)
-    for j in map(int, np.flatnonzero(good)):
+    for j in map(int, np.flatnonzero(quiet & np.isfinite(hits))):
         sizes, codes = (curve(clues, n, j) for n in ("transient_clumps", "histogram_counts"))
         if sizes is None or codes is None:
             continue
         share = min(hits[j] / max(high[j], 1.0), 1.0)
         seconds = clues.points[j].exposure_s
-        count += share * float(sizes.sum())
-        pixels += share * float(sizes @ np.arange(sizes.size))
-        exposed += float(codes.sum()) * 1e-6 * (1.0 if seconds is None else seconds)
-    rows, columns = clues.shape
-    border = 2.0 * (rows + columns) / (rows * columns)
-    return _Clumps(count, pixels, exposed, border) if count and exposed else None
+        pixels = share * float(sizes @ np.arange(sizes.size))
+        area = float(codes.sum()) * 1e-6
+        rows.append((share * float(sizes.sum()), pixels, area, 1.0 if seconds is None else seconds))
+    if not rows:
+        return None
+    count, lit, area, seconds_of = np.array(rows).T
+    waits = waiting(count, area, seconds_of)
+    exposed = float(area @ (seconds_of + waits))
+    if not count.sum() or not exposed:
+        return None
+    height, width = clues.shape
+    border = 2.0 * (height + width) / (height * width)
+    return _Clumps(float(count.sum()), float(lit.sum()), exposed, border, waits)
+
+
+def waiting(count: np.ndarray, area: np.ndarray, seconds: np.ndarray) -> float:
+    """Time beyond the exposure from the hits over exposure, s; 0 where these tell none.
+
+    A straight line through the counts by weighted least squares, at the variances of its mean rate.
+    """
+    if np.ptp(seconds) <= 0.0 or not count.any():
+        return 0.0
+    rate = count.sum() / (area @ (seconds + np.median(seconds)))
+    weight = area / (rate * (seconds + np.median(seconds)))
+    middle = np.average(seconds, weights=weight)
+    spread = weight @ (seconds - middle) ** 2
+    slope = weight @ ((seconds - middle) * count / area) / spread
+    at_zero = np.average(count / area, weights=weight) - slope * middle
+    error = (1.0 / weight.sum() + middle**2 / spread) ** 0.5
+    told = slope > 0.0 and at_zero > SIGN * error
+    return float(at_zero / slope) if told else 0.0
 
 
 def _by_share(clues: Clues, hits: np.ndarray, good: np.ndarray) -> tuple[float, float, float]:

@@ -21,6 +21,7 @@ from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.persistence import Persistence
 from dnanalyze.model.effects.read_noise import ReadNoise
+from dnanalyze.model.guesses.cosmic_rays import waiting
 from dnanalyze.thermal import arrhenius
 
 
@@ -130,6 +131,25 @@ def test_cosmic_rays_bring_the_charge_and_number_they_should(charge, moment):
     a, b = (y[n] > 1 for n in (0, 1))
     assert (a & b).sum() < 40  # chance overlap, no repeat
     assert abs(frames(effect, (512, 512), 40, LOUD).sum() / (2 * 500 * number / 3) - 1) < 0.2
+
+
+def test_a_frame_collects_hits_while_it_is_read_too():
+    effect = CosmicRays(rate=200.0, energy=500.0, length=4.0, readout_s=1.5)
+    bias = frames(effect, (512, 512), 40, OperatingPoint(25.0, 0.0, 1.0)).sum() / 500.0
+    number = 200 * 0.262144 * 1.5 * 40
+    assert bias == pytest.approx(number, abs=5 * np.sqrt(2 * number) + 0.01 * number)
+    assert frames(CosmicRays(200.0, 500.0), (64, 64), 4, OperatingPoint(25.0, 0.0, 1.0)).sum() == 0
+
+
+def test_the_time_of_the_readout_is_guessed_from_the_hits_over_exposure():
+    """Hits of one a second and megapixel: exposures of 0 to 300 s, 40 s of readout."""
+    rng = np.random.default_rng(8)
+    seconds, area = np.array([0.0, 0.0, 60.0, 300.0]), np.full(4, 4.0)
+    found = [waiting(rng.poisson(area * (seconds + 40.0)), area, seconds) for _ in range(200)]
+    assert np.mean(found) == pytest.approx(40.0, rel=0.05)
+    none = [waiting(rng.poisson(area * seconds), area, seconds) for _ in range(200)]
+    assert np.count_nonzero(none) < 10  # 2.5 standard deviations: .6 %
+    assert waiting(np.array([5.0, 7.0]), area[:2], np.full(2, 30.0)) == 0.0  # one exposure
 
 
 def test_tracks_are_as_long_as_told_in_any_direction():
