@@ -88,6 +88,10 @@ class CosmicRays(Effect):
         0.0, "s", 0.0, 1e4, "mean time beyond the exposure in which a frame collects hits"
     )
 
+    def inactive_parameters(self) -> tuple[str, ...]:
+        """The time of the readout where it is none."""
+        return ("readout_s",) if self.readout_s == 0.0 else ()
+
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the tracks of this frame that cross the window."""
         y, x, charge = self._points(site)

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
@@ -119,21 +120,29 @@ def _clumps(clues: Clues, hits: np.ndarray, quiet: np.ndarray) -> _Clumps | None
 
 
 def waiting(count: np.ndarray, area: np.ndarray, seconds: np.ndarray) -> float:
-    """Time beyond the exposure from the hits over exposure, s; 0 where these tell none.
+    """Time beyond the exposures from the hits at each, s; 0 where the likelihood tells none.
 
-    A straight line through the counts by weighted least squares, at the variances of its mean rate.
+    Parameters
+    ----------
+    count : ndarray
+        Hits, Poisson about rate x area x (seconds + time); one a setting, as the others.
+    area : ndarray
+        Million pixels times frames.
+    seconds : ndarray
+        Exposures, s.
     """
+    longest = float(seconds.max())
     if np.ptp(seconds) <= 0.0 or not count.any():
         return 0.0
-    rate = count.sum() / (area @ (seconds + np.median(seconds)))
-    weight = area / (rate * (seconds + np.median(seconds)))
-    middle = np.average(seconds, weights=weight)
-    spread = weight @ (seconds - middle) ** 2
-    slope = weight @ ((seconds - middle) * count / area) / spread
-    at_zero = np.average(count / area, weights=weight) - slope * middle
-    error = (1.0 / weight.sum() + middle**2 / spread) ** 0.5
-    told = slope > 0.0 and at_zero > SIGN * error
-    return float(at_zero / slope) if told else 0.0
+
+    def loss(log_time: float) -> float:
+        exposed = seconds + math.exp(log_time)
+        return float(count.sum() * np.log(area @ exposed) - count @ np.log(exposed))
+
+    least, most = (math.log(share * longest) for share in (1e-4, 1.0))
+    found = minimize_scalar(loss, bounds=(least, most), method="bounded")
+    told = 2.0 * (loss(least) - found.fun) > SIGN**2
+    return math.exp(found.x) if told else 0.0
 
 
 def _by_share(clues: Clues, hits: np.ndarray, good: np.ndarray) -> tuple[float, float, float]:
