@@ -7,7 +7,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.thermal import arrhenius
 
 # (row, column) of the source in units of the frame; None: all along that direction
 SOURCES: dict[str, tuple[float | None, float | None]] = {
@@ -56,7 +58,9 @@ class AmpGlow(Effect):
         "the exposure. Emission hardly depends on temperature (activation energy near 0); a glow "
         "that follows the dark current is heat. Its power lies below 0.01 cycles/pixel and in the "
         "block means. Several sources add (`location`: edges, corners, or a pair of them); light "
-        "that leaks in all around depends on the distance from the nearest edge (border). The "
+        "that leaks in all around depends on the distance from the nearest edge (border). An "
+        "amplifier that is on while a frame is read, and off while it is exposed, leaves the same "
+        "glow in every frame, bias frames too (exposure: none). The "
         "charge of the glow has shot noise: the slope "
         "of the temporal variance of blocks over their mean is the conversion gain, whatever the "
         "pedestal and the read noise are. Remedies: switch the amplifier off during the "
@@ -65,7 +69,7 @@ class AmpGlow(Effect):
     formula: ClassVar[str] = (
         "h += t/t_ref e^(-Ea/k (1/T - 1/T_ref)) a e^(-r/l); r from the corner (nw, ne, se, sw) "
         "or to the edge (n, e, s, w), l in units of the frame's larger side; of several sources "
-        "the sum, of the border the largest"
+        "the sum, of the border the largest; exposure none: without t/t_ref"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Janesick, Scientific Charge-Coupled Devices, SPIE Press (2001)",
@@ -97,6 +101,7 @@ class AmpGlow(Effect):
     )
     ea_ev: float = parameter(0.0, "eV", 0.0, 1.6, "activation energy; 0 for light", "linear")
     location: str = choice("se", "corner or edge of the source, or several", *PLACES)
+    exposure: str = choice("proportional", "glow over exposure", "proportional", "none")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the glow."""
@@ -105,10 +110,22 @@ class AmpGlow(Effect):
 
     def _map(self, site: Site) -> np.ndarray:
         height = self.value("amplitude", site.point) * site.thermal(self.value("ea_ev", site.point))
-        height *= site.exposure_ratio * site.gain_ratio
+        height *= site.gain_ratio * (site.exposure_ratio if self.exposure != "none" else 1.0)
         length = self.value("length", site.point)
         shape = glow(self.location, length, site.row_index, site.column_index, site.shape)
         return (height * shape).astype(np.float32)
+
+    def black_shift(
+        self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
+    ) -> float:
+        """Median of the glow that is in bias frames too."""
+        if self.exposure != "none":
+            return 0.0
+        length, energy = self.value("length", point), self.value("ea_ev", point)
+        height = self.value("amplitude", point) * point.gain_over(reference)
+        height *= arrhenius(point.temperature_c, reference.temperature_c, energy)
+        every = glow(self.location, length, np.arange(shape[0]), np.arange(shape[1]), shape)
+        return height * float(np.median(every))
 
 
 def glow(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from dnanalyze.model.bounds import clip
@@ -38,12 +40,32 @@ def guess(effect: type[AmpGlow], clues: Clues) -> list[Effect]:
             each = curve(clues, "block_means", j)
             if each is not None:
                 heights[j] = _fit(place, length, each, clues)[1]
-        fitted = hints.thermal_fit(clues, heights / hints.exposure_and_gain(clues), 0.0)
-        if fitted is not None:
-            height, ea = fitted
+        found = _over_settings(clues, heights)
+        if found is not None:
+            exposure, height, ea = found
             values = clip(effect, amplitude=height, length=length, ea_ev=ea)
-            guesses.append(effect(**values, location=place))
+            guesses.append(effect(**values, location=place, exposure=exposure))
     return guesses
+
+
+def _over_settings(clues: Clues, heights: np.ndarray) -> tuple[str, float, float] | None:
+    """The law over exposure, amplitude and activation energy that fit the heights best.
+
+    Exposure none only where exposures differ: those of one exposure go by it.
+    """
+    best, least = None, math.inf
+    laws = [("proportional", hints.exposure_and_gain(clues)), ("none", hints.gains(clues))]
+    several = len({point.exposure_s for point in clues.points}) > 1
+    for exposure, growth in laws if several else laws[:1]:
+        fitted = hints.thermal_fit(clues, heights / growth, 0.0)
+        if fitted is None:
+            continue
+        height, ea = fitted
+        growth = np.nan_to_num(growth) * hints.thermal_growth(clues, np.array([ea]))[0]
+        rest = float(np.nansum((heights - height * growth) ** 2))
+        if rest < least:
+            best, least = (exposure, height, ea), rest
+    return best
 
 
 def _fit(place: str, length: float, blocks: np.ndarray, clues: Clues) -> tuple[float, float]:

@@ -40,6 +40,17 @@ def test_glow_fades_exponentially_from_its_source():
     np.testing.assert_allclose(edge[:, 0], 50, rtol=1e-6)
 
 
+def test_a_glow_of_the_readout_is_in_bias_frames_and_moves_their_level():
+    readout = AmpGlow(50.0, 0.25, 0.0, "w", exposure="none")
+    bias = OperatingPoint(HERE.temperature_c, 0.0, 2.0 * HERE.gain)
+    y = frames(readout, (100, 200), 1, bias)[0]
+    assert y[0, 0] == pytest.approx(100.0)
+    shift = readout.black_shift(bias, HERE, (100, 200))
+    assert shift == pytest.approx(float(np.median(y)), rel=1e-5)
+    assert not frames(AmpGlow(50.0, 0.25, 0.0, "w"), (100, 200), 1, bias).any()
+    assert AmpGlow(50.0, 0.25, 0.0, "w").black_shift(bias, HERE, (100, 200)) == 0.0
+
+
 @pytest.mark.parametrize("place", TOGETHER)
 def test_glow_of_several_sources_is_their_sum(place):
     y = frames(AmpGlow(50.0, 0.1, 0.0, place), (60, 90))[0]

@@ -71,6 +71,7 @@ def test_gradients_are_guessed_from_a_window_as_from_the_frame(window):
 @pytest.mark.parametrize("window", WINDOWS[:2])
 def test_a_glow_is_guessed_from_a_window_as_from_the_frame(window):
     light = 5.0 * glow("nw", 0.06, np.arange(FRAME[0]), np.arange(FRAME[1]), FRAME)
-    found = AmpGlow.guess(Shaded(light, window, [0.5, 1.0, 2.0], True))[0]
-    assert (found.location, found.length) == ("nw", 0.06)
-    assert found.amplitude == pytest.approx(5.0, rel=0.1)  # of block means
+    for grows, exposure in ((True, "proportional"), (False, "none")):
+        found = AmpGlow.guess(Shaded(light, window, [0.5, 1.0, 2.0], grows))[0]
+        assert (found.location, found.length, found.exposure) == ("nw", 0.06, exposure)
+        assert found.amplitude == pytest.approx(5.0, rel=0.1)  # of block means
