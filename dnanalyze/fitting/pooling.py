@@ -7,6 +7,7 @@ without dark signal. Where level, noise and outliers of their frames agree, they
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -19,6 +20,7 @@ from dnanalyze.loaders.files import natural_key
 from dnanalyze.loaders.health import MOVED
 from dnanalyze.robust import robust_deviation
 
+MOST = 128  # operating points whose frames are compared; a fit takes 8 of what is left
 FEW = 3  # frames from which an operating point tells its noise: of two, drift is noise too
 STRIPS = 16  # all over the frame; their scatter is the error of a level, whatever correlates in it
 PIXELS = 1 << 18  # of a frame that are looked at: eleven hits of one frame alone are a difference
@@ -50,10 +52,12 @@ def pooled(settings: Sequence[Setting], shape: tuple[int, int]) -> list[tuple[Se
     -------
     list of (Setting, int)
         Each with the number of operating points that it stands for. The operating point of a pool
-        is that in the middle of its members in the given order.
+        is that in the middle of its members in the given order. Of more than `MOST` operating
+        points so many are looked at, in equal steps, and the others left out.
     """
     if all(len(s.frames) >= FEW for s in settings) or shape[0] < STRIPS:
         return [(s, 1) for s in settings]
+    settings = settings[:: math.ceil(len(settings) / MOST)]
     samples = [_sample(s.frames[0], shape) for s in settings]
     pools: list[list[int]] = []  # by their first members, to which all others are compared
     for n, setting in enumerate(settings):
@@ -95,9 +99,9 @@ def _sample(frame: Frame, shape: tuple[int, int]) -> _Sample:
     height = max(1, min(PIXELS // (STRIPS * columns), rows // STRIPS))
     tops = np.linspace(0, rows - height, STRIPS).astype(int)
     windows = [Window(int(top), int(top) + height, 0, columns) for top in tops]
-    strips = np.array([frame.read(window) for window in windows], float)
-    noise = _clipped(np.diff(strips, axis=2)).std(axis=(1, 2))
-    levels = _clipped(strips).mean(axis=(1, 2))
+    strips = np.array([frame.read(window) for window in windows], np.float32)
+    noise = _clipped(np.diff(strips, axis=2)).std(axis=(1, 2), dtype=float)
+    levels = _clipped(strips).mean(axis=(1, 2), dtype=float)
     return _Sample(strips, levels, np.log(np.maximum(noise, TINY)))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.pooling import DRIFT, pooled
+from dnanalyze.fitting.pooling import DRIFT, MOST, pooled
 from dnanalyze.fitting.whole_field import coverage
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 
@@ -92,3 +92,18 @@ def test_a_fit_sees_the_pool_and_says_so():
     assert (seen.settings, seen.all_settings, seen.pooled, seen.pools) == (4, 4, 4, 1)
     as_it_is = design(captures, most_settings=None)
     assert [n for _, n in as_it_is.settings] == [1, 1, 1, 1]
+
+
+def test_of_very_many_operating_points_some_are_looked_at():
+    rng = np.random.default_rng(9)
+    settings = [setting(frames(rng, level=100.0 + 3.0 * n), -100.0 + n) for n in range(MOST + 2)]
+    found = pooled(settings, SHAPE)
+    assert len(found) == MOST // 2 + 1
+    assert found[0][0].point == settings[0].point
+
+
+def test_frames_without_values_are_kept_apart():
+    rng = np.random.default_rng(10)
+    broken = frames(rng)
+    broken[0][:, 10] = np.nan
+    assert len(pooled([setting(broken), setting(frames(rng), -90.0)], SHAPE)) == 2
