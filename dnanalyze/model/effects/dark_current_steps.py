@@ -22,7 +22,7 @@ SECOND_PEAK = 5.0
 
 @dataclass(frozen=True)
 class DarkCurrentSteps(Effect):
-    """h += n q, n ~ Pois(lambda) fixed: equally spaced peaks in the histogram."""
+    """h += (n + 2 m) q, n and m Poisson and fixed: equally spaced peaks in the histogram."""
 
     name: ClassVar[str] = "dark_current_steps"
     stage: ClassVar[Stage] = Stage.CHARGE
@@ -34,11 +34,13 @@ class DarkCurrentSteps(Effect):
         "pixel's dark current rises by a whole number of equal steps and the histogram of the "
         "pattern has equally spaced peaks. The spacing grows with exposure and, with the "
         "activation energy of the trap (about 0.3 eV for molybdenum, 0.37 eV for tungsten), with "
-        "temperature; the shares of the peaks do not change. The spacing identifies the metal and "
+        "temperature; the shares of the peaks do not change. Where atoms come in pairs, the second "
+        "peak is higher than chance has it (`pairs`). The spacing identifies the metal and "
         "its concentration: a matter for the wafer process. Cooling and dark subtraction help."
     )
     formula: ClassVar[str] = (
-        "h += n q t/t_ref e^(-Ea/k (1/T - 1/T_ref)), n ~ Pois(lambda) fixed; variance lambda q^2"
+        "h += (n + 2 m) q t/t_ref e^(-Ea/k (1/T - 1/T_ref)), n ~ Pois(lambda (1 - p)) and "
+        "m ~ Pois(lambda p) fixed; variance lambda (1 + 3 p) q^2"
     )
     references: ClassVar[tuple[str, ...]] = (
         "McColgin et al., IEDM (1992) (dark current quantisation in image sensors)",
@@ -64,8 +66,13 @@ class DarkCurrentSteps(Effect):
     step: float = parameter(
         10.0, "DN", 1e-2, 1e5, "signal of one atom at the reference temperature, exposure and gain"
     )
-    mean_number: float = parameter(0.2, "1", 1e-5, 20.0, "mean number of atoms in a pixel")
+    mean_number: float = parameter(0.2, "1", 1e-5, 20.0, "mean number of centres in a pixel")
     ea_ev: float = parameter(0.35, "eV", 0.0, 1.6, "activation energy of the trap", "linear")
+    pairs: float = parameter(0.0, "1", 0.0, 1.0, "share of the centres with two atoms", "linear")
+
+    def inactive_parameters(self) -> tuple[str, ...]:
+        """The share of pairs where there are none."""
+        return ("pairs",) if self.pairs == 0.0 else ()
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the steps."""
@@ -73,17 +80,18 @@ class DarkCurrentSteps(Effect):
         return signal
 
     def _map(self, site: Site) -> np.ndarray:
-        lam = self.value("mean_number", site.point)
-        step = self._step_at(site.point, site.reference)
-        # u is the probability of a larger number: it is finest near 0, where the tail is
-        tail = pdtrc(np.arange(int(lam + 12 * np.sqrt(lam) + 24)), lam).astype(np.float32)
-        number = tail.size - np.searchsorted(tail[::-1], site.fixed_uniform(), side="right")
-        return np.float32(step) * number.astype(np.float32)
+        number, pairs = (self.value(name, site.point) for name in ("mean_number", "pairs"))
+        atoms = _counts(number * (1.0 - pairs), site.fixed_uniform())
+        if pairs > 0.0:
+            atoms += 2.0 * _counts(number * pairs, site.fixed_uniform("pairs"))
+        return np.float32(self._step_at(site.point, site.reference)) * atoms
 
     def shows_in(self, frames: int, pixels: int) -> bool:
         """Not where hardly a pixel holds two atoms: one peak is that of alike hot pixels."""
-        number = self.mean_number
-        return not isinstance(number, (int, float)) or pixels * number**2 / 2.0 >= SECOND_PEAK
+        number, pairs = self.mean_number, self.pairs
+        if not (isinstance(number, (int, float)) and isinstance(pairs, (int, float))):
+            return True
+        return pixels * ((number * (1.0 - pairs)) ** 2 / 2.0 + number * pairs) >= SECOND_PEAK
 
     @classmethod
     def odds(cls, others: Collection[str]) -> float:
@@ -91,15 +99,17 @@ class DarkCurrentSteps(Effect):
         return 0.1
 
     def variance(self, point: OperatingPoint) -> float:
-        """lambda q^2, DN^2, at the reference temperature, exposure and gain."""
-        return self.value("mean_number", point) * self.value("step", point) ** 2
+        """lambda (1 + 3 p) q^2, DN^2, at the reference temperature, exposure and gain."""
+        number = self.value("mean_number", point) * (1.0 + 3.0 * self.value("pairs", point))
+        return number * self.value("step", point) ** 2
 
     def adds(
         self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
     ) -> tuple[float, float]:
-        """lambda q and lambda q^2."""
+        """lambda (1 + p) q and lambda (1 + 3 p) q^2."""
         number, step = self.value("mean_number", point), self._step_at(point, reference)
-        return number * step, number * step**2
+        pairs = self.value("pairs", point)
+        return number * (1.0 + pairs) * step, number * (1.0 + 3.0 * pairs) * step**2
 
     def _step_at(self, point: OperatingPoint, reference: OperatingPoint) -> float:
         """Signal of one atom, DN."""
@@ -114,3 +124,12 @@ class DarkCurrentSteps(Effect):
         number = -math.log1p(-min(hot.fraction, 0.5))
         step = hot.scale * hot.fraction / number
         return [cls(**clip(cls, step=step, mean_number=number, ea_ev=hot.ea_ev))]
+
+
+def _counts(mean: float, u: np.ndarray) -> np.ndarray:
+    """Poisson numbers from uniform deviates, float32.
+
+    u is the probability of a larger number: it is finest near 0, where the tail is.
+    """
+    tail = pdtrc(np.arange(int(mean + 12 * np.sqrt(mean) + 24)), mean).astype(np.float32)
+    return (tail.size - np.searchsorted(tail[::-1], u, side="right")).astype(np.float32)

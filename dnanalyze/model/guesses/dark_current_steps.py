@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from dnanalyze.model.bounds import clip
@@ -12,9 +14,10 @@ from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.counted_steps import counted_steps
 from dnanalyze.model.guesses.evidence import SIGN, curve, shows
 from dnanalyze.model.guesses.hot_counts import USUAL
-from dnanalyze.model.guesses.single_peak import single_peak
+from dnanalyze.model.guesses.hot_peaks import Peak, hot_peaks
 
 METALS = 0.35  # activation energy of molybdenum and tungsten, eV
+TWICE = 0.2  # of the ratio of two peaks: bins of 10 %, and the median between core and mean
 QUANTILES = tuple(f"pattern_q{p}" for p in (0.001, 0.01, 0.1, 0.25, 0.75, 0.9, 0.99, 0.999))
 
 
@@ -23,15 +26,35 @@ def guess(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
 
     Of rare atoms one peak may be seen alone, as of hot pixels that are alike.
     """
-    guesses = _counted(effect, clues)
-    rare = single_peak(clues)
-    if rare is not None:
-        guesses += _grown(effect, clues, rare.amplitude, [rare.share])
+    guesses = _counted(effect, clues) + _rare(effect, clues)
     if shows(clues, ("pattern_steps",)):
         z = np.nan_to_num(clues.z("pattern_steps"))
         spacing = np.asarray(clues.measured("pattern_step_dn"), float)
         guesses += _grown(effect, clues, np.where(z > SIGN, spacing, np.nan), [0.1, 0.5, 2.0])
     return guesses
+
+
+def _rare(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
+    """One peak seen by itself, or two of which one is at twice the signal of the other."""
+    steps = [_step(found) for found in hot_peaks(clues)]
+    spacing = np.array([np.nan if step is None else step[0] for step in steps])
+    known = [step for step in steps if step is not None]
+    if not known:
+        return []
+    number, pairs = (float(np.median([step[i] for step in known])) for i in (1, 2))
+    return _grown(effect, clues, spacing, [number], pairs)
+
+
+def _step(peaks: Sequence[Peak]) -> tuple[float, float, float] | None:
+    """Signal of one atom, DN, mean number of centres, and their share that has two atoms."""
+    if not peaks:
+        return None
+    for one in peaks:
+        for two in peaks:
+            if abs(two.amplitude / one.amplitude - 2.0) < TWICE:
+                number = one.share + two.share
+                return two.amplitude / 2.0, number, two.share / number
+    return peaks[0].amplitude, peaks[0].share, 0.0
 
 
 def _counted(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
@@ -49,7 +72,11 @@ def _counted(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
 
 
 def _grown(
-    effect: type[DarkCurrentSteps], clues: Clues, spacing: np.ndarray, numbers: list[float]
+    effect: type[DarkCurrentSteps],
+    clues: Clues,
+    spacing: np.ndarray,
+    numbers: list[float],
+    pairs: float = 0.0,
 ) -> list[Effect]:
     """Guesses from a spacing of peaks, DN, one a setting.
 
@@ -58,7 +85,7 @@ def _grown(
     amplitude = spacing / hints.exposure_and_gain(clues)
     fits = [hints.thermal_fit(clues, amplitude, ea_ev) for ea_ev in (METALS, USUAL)]
     return [
-        effect(**clip(effect, step=fit[0], mean_number=n, ea_ev=fit[1]))
+        effect(**clip(effect, step=fit[0], mean_number=n, ea_ev=fit[1], pairs=pairs))
         for fit in dict.fromkeys(fits)
         if fit is not None
         for n in numbers

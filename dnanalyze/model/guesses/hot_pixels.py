@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
@@ -9,7 +11,7 @@ from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import shows
 from dnanalyze.model.guesses.hot_counts import USUAL, hot_signals
-from dnanalyze.model.guesses.single_peak import single_peak
+from dnanalyze.model.guesses.hot_peaks import hot_peaks
 
 
 def guess(effect: type[HotPixels], clues: Clues) -> list[Effect]:
@@ -22,13 +24,18 @@ def guess(effect: type[HotPixels], clues: Clues) -> list[Effect]:
 
 
 def _narrow(effect: type[HotPixels], clues: Clues) -> list[Effect]:
-    peak = single_peak(clues)
-    if peak is None:
-        return []
-    fitted = hints.thermal_fit(clues, peak.amplitude / hints.exposure_and_gain(clues), USUAL)
+    first = [found[0] if found else None for found in hot_peaks(clues)]
+    known = [peak for peak in first if peak is not None]
+    amplitude = np.array([np.nan if peak is None else peak.amplitude for peak in first])
+    fitted = hints.thermal_fit(clues, amplitude / hints.exposure_and_gain(clues), USUAL)
     if fitted is None:
         return []
-    numbers = {"fraction": peak.share, "scale": fitted[0], "ea_ev": fitted[1], "width": peak.width}
+    numbers = {
+        "fraction": max(peak.share for peak in known),
+        "scale": fitted[0],
+        "ea_ev": fitted[1],
+        "width": float(np.median([peak.width for peak in known])),
+    }
     return [effect(**clip(effect, **numbers), law="narrow")]
 
 

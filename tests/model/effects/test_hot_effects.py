@@ -12,6 +12,7 @@ from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.hot_clusters import HotClusters
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.rts import LEAST_CHANGED, LEAST_RETURNED, Rts
+from dnanalyze.model.guesses.hot_peaks import peaks
 from dnanalyze.model.guesses.rts import SLOW
 from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.thermal import arrhenius
@@ -415,6 +416,46 @@ def test_a_relative_of_blinking_pixels_has_the_same_second_and_fourth_moment():
     assert (back.fraction, back.amplitude) == pytest.approx((0.03, 5.0))
 
 
+def test_atoms_in_pairs_make_a_second_peak_that_is_guessed_beside_a_power_law():
+    """As a CCD shows it: .6 % and .35 % of the pixels, and a tail of 1 % over two decades."""
+    rng = np.random.default_rng(6)
+    effect = DarkCurrentSteps(150.0, 0.0095, pairs=0.37)
+    y = frames(effect, (800, 800), 1, HERE)[0].astype(float)
+    own = 0.0095 * y.size
+    assert np.sum(y == 150.0) == pytest.approx(own * 0.63, abs=5 * np.sqrt(own))
+    assert np.sum(y == 300.0) == pytest.approx(own * 0.37, abs=5 * np.sqrt(own))
+    assert y.var() == pytest.approx(effect.variance(HERE), rel=0.1)
+    assert effect.adds(HERE, HERE, y.shape)[0] == pytest.approx(y.mean(), rel=0.1)
+    assert effect.shows_in(4, y.size)
+    y += rng.normal(0.0, 8.0, y.shape)
+    tail = rng.random(y.shape) < 0.01
+    y[tail] += 50.0 * rng.random(tail.sum()) ** -0.7
+    edges = np.arange(-60.0, 20_000.0, 2.0)
+    centres = (edges[1:] + edges[:-1]) / 2.0
+    counts = np.histogram(y, edges)[0]
+    found = peaks(centres, counts, 8.0)
+    assert [p.amplitude for p in found[:2]] == pytest.approx([150.0, 300.0], rel=0.02)
+    assert [p.share for p in found[:2]] == pytest.approx([0.006, 0.0035], rel=0.1)
+    clues = MadeUpClues(
+        (HERE,),
+        seen={"pattern_noise_core": [8.0]},
+        stands_out=("hot_count_5",),
+        curves={"pattern_hist_x": [centres], "pattern_hist_n": [counts]},
+    )
+    guess = DarkCurrentSteps.guess(clues)[0]
+    assert (guess.step, guess.pairs) == pytest.approx((150.0, 0.37), rel=0.05)
+
+
+@pytest.mark.parametrize("law", ["power", "exponential"])
+def test_a_smooth_tail_has_no_peaks(law):
+    rng = np.random.default_rng(7)
+    edges = np.arange(-60.0, 20_000.0, 2.0)
+    hot = 10.0 * rng.random(20_000) ** -0.7 if law == "power" else rng.exponential(200.0, 20_000)
+    y = np.concatenate([rng.normal(0.0, 8.0, 600_000), hot])
+    counts = np.histogram(y, edges)[0]
+    assert peaks((edges[1:] + edges[:-1]) / 2.0, counts, 8.0) == []
+
+
 @pytest.mark.parametrize(
     ("spread", "two_atoms", "alike"), [(0.02, 40, True), (0.02, 0, True), (1.0, 0, False)]
 )
@@ -439,6 +480,7 @@ def test_rare_atoms_and_pixels_alike_are_guessed_from_one_peak(spread, two_atoms
     assert bool(guesses) == alike
     for g in guesses:
         assert (g.step, g.ea_ev) == pytest.approx((200, 0.37), rel=0.02)
+        assert g.pairs == pytest.approx(two_atoms / 800, abs=5 * np.sqrt(40) / 800)
         assert g.mean_number == pytest.approx(800 / 100_800, rel=5 / np.sqrt(800))
     narrow = [g for g in HotPixels.guess(clues) if g.law == "narrow"]
     assert bool(narrow) == alike
