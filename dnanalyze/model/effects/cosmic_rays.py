@@ -85,7 +85,7 @@ class CosmicRays(Effect):
         "landau",
     )
     readout_s: float = parameter(
-        0.0, "s", 0.0, 1e4, "mean time beyond the exposure in which a frame collects hits"
+        0.0, "s", 0.0, 1e4, "mean time beyond the exposure in which a frame collects hits", "linear"
     )
 
     def inactive_parameters(self) -> tuple[str, ...]:
