@@ -18,8 +18,6 @@ from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise, within_reach
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, deviance, start, with_derivatives_of
-from dnanalyze.model.effect import Stage
-from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 
 TOLD_APART = 1.0  # squared misfit between two predictions: a likelihood ratio of e^(1/2) at most
@@ -45,7 +43,7 @@ def in_best_form(problem: FitProblem, found: Trial) -> State:
 
     Other choices of the effect, other strengths, and its other first guesses are simulated once;
     of those that may be better by the derivatives of the state, the ones with the lowest loss are
-    refitted. Then an amplitude of the readout may differ from one operating point to the next.
+    refitted.
     """
     state = found.state
     known = {found.effect, *state.model.names}
@@ -59,30 +57,7 @@ def in_best_form(problem: FitProblem, found: Trial) -> State:
             problem, without_biased(problem, other, found.effect), FIT_STEPS, below=better.loss
         )
         better = preferred(better, ended)
-    for model in _of_other_readouts(problem, better.model, found.effect):
-        begun = start(problem, model, free_parameters(model), like=better)
-        better = preferred(better, minimise(problem, begun, FIT_STEPS, below=better.loss))
     return better
-
-
-def _of_other_readouts(problem: FitProblem, model: NoiseModel, name: str) -> Iterator[NoiseModel]:
-    """The model with an amplitude of an effect of the readout for each operating point.
-
-    Where the black level is another at some of them: another session, clock or mode of the camera,
-    of which the files need not tell.
-    """
-    effect, sessions = model.get(name), problem.direct.sessions
-    points = tuple(point for point, _ in problem.plan.settings)
-    assert effect is not None
-    if sessions is None or not set(points) & set(sessions.moved):
-        return
-    if not Stage.PIXEL_READ <= effect.stage <= Stage.LINE_READ:
-        return
-    for parameter, info in effect.parameters().items():
-        law = getattr(effect, parameter)
-        if info.scale == "log" and info.unit == "DN" and isinstance(law, (int, float)):
-            table = TableLaw(points, (float(law),) * len(points))
-            yield model.with_effect(replace(effect, **{parameter: table}))
 
 
 def _promising(problem: FitProblem, state: State, models: Sequence[NoiseModel]) -> list[NoiseModel]:

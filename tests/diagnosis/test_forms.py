@@ -17,14 +17,12 @@ from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow
-from dnanalyze.model.effects.column_fpn import ColumnFpn
 from dnanalyze.model.effects.denoise import Denoise
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.effects.row_fpn import RowFpn
 from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
-from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 
@@ -91,26 +89,3 @@ def test_forms_that_the_captures_do_not_tell_apart_are_none():
 
     assert promising(0.004) == []
     assert promising(30.0) != []
-
-
-def test_columns_of_another_readout_have_a_size_of_their_own():
-    """A third exposure of another clock: black level 40 DN lower, columns of half the size."""
-    points = [OperatingPoint(None, t, None) for t in (1e-4, 2e-4, 0.04)]
-
-    def model(sizes, seed):
-        levels = TableLaw(tuple(points), (100.0, 100.0, 60.0))
-        sigma = TableLaw(tuple(points), sizes) if len(set(sizes)) > 1 else sizes[0]
-        effects = ReadNoise(2.0), PixelFpn(1.0), ColumnFpn(sigma), Quantization(12)
-        return NoiseModel(effects, levels, points[0], seed)
-
-    sizes = 3.0, 3.0, 1.5
-    frames = simulate(model(sizes, 1), (96, 192), [(point, 6) for point in points])
-    problem = fit_problem(design(frames))
-    begun = model((2.5,) * 3, 2)
-    null = FittedModel(problem, start(problem, begun.without("column_fpn"), []))
-    found = judged(null, "column_fpn", start(problem, begun, free_parameters(begun)))
-    ended = in_best_form(problem, found).model.get("column_fpn").sigma
-    # of 192 columns a standard deviation is told to 5 %, of measured and simulated sensor
-    assert [ended.at(p) for p in points] == pytest.approx(sizes, rel=0.25)
-    settled = replace(found, state=start(problem, model(sizes, 1), []))
-    assert in_best_form(problem, settled) is settled.state
