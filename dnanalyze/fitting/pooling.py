@@ -125,8 +125,9 @@ def _alike(one: _Sample, other: _Sample, drift: float) -> bool:
 
 
 def _clipped(values: np.ndarray) -> np.ndarray:
-    """Values without outliers."""
-    middle, spread = np.median(values), robust_deviation(values)
+    """Values without outliers; codes that half of the pixels share have no robust deviation."""
+    middle = np.median(values)
+    spread = robust_deviation(values) or values.std()
     return np.clip(values, middle - FAR * spread, middle + FAR * spread)
 
 
@@ -141,7 +142,7 @@ def _zero(values: np.ndarray) -> bool:
 def _same_outliers(difference: np.ndarray) -> bool:
     """Binomial test of clumps of pixels that one frame has above the other, and the other way."""
     off = difference - np.median(difference)
-    spread = robust_deviation(off)
+    spread = robust_deviation(off) or off.std()
     counts = [_clumps(sign * off > FAR * spread) for sign in (1.0, -1.0)]
     total = sum(counts)
     return total == 0 or bool(binomtest(counts[0], total).pvalue > CHANCE)

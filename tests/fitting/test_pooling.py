@@ -107,3 +107,14 @@ def test_frames_without_values_are_kept_apart():
     broken = frames(rng)
     broken[0][:, 10] = np.nan
     assert len(pooled([setting(broken), setting(frames(rng), -90.0)], SHAPE)) == 2
+
+
+def test_levels_are_told_apart_in_codes_that_most_pixels_share():
+    rng = np.random.default_rng(11)
+
+    def coded(level):
+        return [np.rint(level + rng.normal(0.0, 0.3, SHAPE))]
+
+    equal = [setting(coded(8.1)), setting(coded(8.1), exposure=0.1)]
+    assert len(pooled(equal, SHAPE)) == 1
+    assert len(pooled([setting(coded(8.1)), setting(coded(8.2), exposure=0.1)], SHAPE)) == 2
