@@ -8,7 +8,7 @@ from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.black_clipping import BlackClipping
-from dnanalyze.model.guesses.evidence import curve, shows, strongest
+from dnanalyze.model.guesses.evidence import histogram, shows, strongest
 
 
 def guess(effect: type[BlackClipping], clues: Clues) -> list[Effect]:
@@ -20,8 +20,8 @@ def guess(effect: type[BlackClipping], clues: Clues) -> list[Effect]:
     if not (shows(clues, ["low_spike"]) or np.any(share > 3.0 * model + 1e-3)):
         return []
     setting = int(np.argmax(share)) if share.any() else strongest(clues, ["low_spike"]) or 0
-    codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
-    if codes is None or counts is None:
+    seen = histogram(clues, "histogram", setting)
+    if seen is None:
         return [effect()]
-    lowest = float(np.min(np.asarray(codes)[np.asarray(counts) > 0]))
+    lowest = float(np.min(seen[0][seen[1] > 0]))
     return [effect(bounded(effect, "level", lowest))]

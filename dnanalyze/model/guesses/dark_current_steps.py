@@ -10,7 +10,7 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.counted_steps import counted_steps
-from dnanalyze.model.guesses.evidence import SIGN, curve, shows
+from dnanalyze.model.guesses.evidence import SIGN, histogram, shows
 from dnanalyze.model.guesses.hot_counts import USUAL
 from dnanalyze.model.guesses.single_peak import single_peak
 
@@ -40,8 +40,8 @@ def _counted(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
         return []
     spacing, numbers = np.full(len(clues.points), np.nan), []
     for setting in range(spacing.size):
-        x, n = (curve(clues, f"pattern_hist_{axis}", setting) for axis in "xn")
-        counted = None if x is None or n is None else counted_steps(x, n)
+        seen = histogram(clues, "pattern_hist", setting)
+        counted = None if seen is None else counted_steps(*seen)
         if counted is not None:
             spacing[setting] = counted[0]
             numbers.append(counted[1])

@@ -12,7 +12,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_gradient import DarkGradient
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import shows, straight
+from dnanalyze.model.guesses.evidence import over_signal, shows, straight
 from dnanalyze.model.guesses.surfaces import LEAST_TERM, over_frame, shading, surfaces
 from dnanalyze.model.surface import TERMS
 
@@ -48,7 +48,7 @@ def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
     values = dict(zip(TERMS, terms, strict=True))
     inside: dict[str, Any] = clip(effect, **values, ea_ev=ea)
     added = effect(**inside)
-    shares = _slopes(np.asarray(clues.measured("mean"), float), raw)
+    shares = _slopes(clues, raw)
     if shares is None:
         return [added]
     share: dict[str, Any] = clip(
@@ -57,13 +57,13 @@ def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
     return [added, effect(**share, form="scaled")]
 
 
-def _slopes(level: np.ndarray, fits: np.ndarray) -> np.ndarray | None:
+def _slopes(clues: Clues, fits: np.ndarray) -> np.ndarray | None:
     """Slope of each coefficient over the mean level, DN a DN; None: the level hardly moves."""
-    good = np.isfinite(level) & np.isfinite(fits).all(axis=1)
-    if good.sum() < 2 or np.ptp(level[good]) <= 0:
+    told = over_signal(clues, fits.T)
+    if told is None:
         return None
-    away = level[good] - level[good].mean()
-    return np.clip(away @ fits[good] / (away @ away), -0.5, 0.5)
+    away = told[0] - told[0].mean()
+    return np.asarray(np.clip(told[1] @ away / (away @ away), -0.5, 0.5))
 
 
 def _waits(clues: Clues) -> dict[str, float] | None:

@@ -9,7 +9,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.electron_multiplication import ElectronMultiplication
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import curve, shows
+from dnanalyze.model.guesses.evidence import histogram, shows
 
 # Third cumulant over that of counting noise from which a register is worth a trial. Below its
 # inverse it is that of no counted charge: hot pixels hide it.
@@ -60,8 +60,8 @@ def third_cumulant(clues: Clues, setting: int) -> float:
 
     The mean of F frames has the DSNU's, and 1/F^2 of the noise's; variances tell F.
     """
-    single = _moments(clues, "histogram_codes", "histogram_counts", setting)
-    stack = _moments(clues, "pattern_hist_x", "pattern_hist_n", setting)
+    single = _moments(histogram(clues, "histogram", setting))
+    stack = _moments(histogram(clues, "pattern_hist", setting))
     noise = float(np.asarray(clues.measured("temporal_noise"), float)[setting]) ** 2
     if single is None or stack is None or not noise > 0:
         return float("nan")
@@ -69,11 +69,11 @@ def third_cumulant(clues: Clues, setting: int) -> float:
     return (single[1] - stack[1]) / (1.0 - part**2)
 
 
-def _moments(clues: Clues, x: str, n: str, setting: int) -> tuple[float, float] | None:
+def _moments(seen: tuple[np.ndarray, np.ndarray] | None) -> tuple[float, float] | None:
     """Variance and third central moment of a histogram, without what is far out."""
-    values, counts = curve(clues, x, setting), curve(clues, n, setting)
-    if values is None or counts is None:
+    if seen is None:
         return None
+    values, counts = seen
     summed = np.cumsum(counts) / np.sum(counts)
     low, middle, high = values[np.searchsorted(summed, (0.159, 0.5, 0.841))]
     near = np.abs(values - middle) <= OUTLIER_DEVIATIONS * max(high - low, 1.0) / 2.0

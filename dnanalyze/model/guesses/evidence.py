@@ -113,6 +113,28 @@ def curve(clues: Clues, name: str, setting: int) -> np.ndarray | None:
     return None if values is None or np.size(values) == 0 else np.asarray(values)
 
 
+def histogram(clues: Clues, name: str, setting: int) -> tuple[np.ndarray, np.ndarray] | None:
+    """Abscissa and counts of a histogram of one setting, or None where there is none.
+
+    ``name``: "histogram" of the codes, "pattern_hist" of the mean frame, or "difference_hist".
+    """
+    ends = ("codes", "counts") if name == "histogram" else ("x", "n")
+    x, counts = (curve(clues, f"{name}_{end}", setting) for end in ends)
+    return None if x is None or counts is None else (x, counts)
+
+
+def over_signal(clues: Clues, values: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Dark signal above the lowest level, DN, and values, (..., settings), where both are known.
+
+    None where the level hardly tells: fewer than two settings, or all alike.
+    """
+    level = np.asarray(clues.measured("mean"), float)
+    good = np.isfinite(level) & np.isfinite(values).all(axis=tuple(range(values.ndim - 1)))
+    if good.sum() < 2 or np.ptp(level[good]) <= 0:
+        return None
+    return level[good] - level[good].min(), values[..., good]
+
+
 def strongest(clues: Clues, names: Iterable[str]) -> int | None:
     """The setting in which one of the statistics is farthest off the model; None: none has any."""
     z = np.stack([np.abs(np.asarray(clues.z(name), float)) for name in names])

@@ -12,7 +12,13 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.flicker_fpn import FlickerFpn
 from dnanalyze.model.fingerprints import BANDS, centre, named
-from dnanalyze.model.guesses.evidence import band_excess, power_law, shows, typical
+from dnanalyze.model.guesses.evidence import (
+    band_excess,
+    over_signal,
+    power_law,
+    shows,
+    typical,
+)
 
 
 def guess(effect: type[FlickerFpn], clues: Clues) -> list[Effect]:
@@ -30,22 +36,23 @@ def guess(effect: type[FlickerFpn], clues: Clues) -> list[Effect]:
         guesses.append(
             effect(bounded(effect, "rms", offset[0]), bounded(effect, "alpha", offset[1]))
         )
-    share = _law(_shares(np.asarray(clues.measured("mean"), float), excess), seen, clues.shape)
+    share = _law(_shares(clues, excess), seen, clues.shape)
     if share is not None and share[0] < 1.0:
         rms, alpha = bounded(effect, "rms", share[0]), bounded(effect, "alpha", share[1])
         guesses.append(effect(rms, alpha, "scaled"))
     return guesses
 
 
-def _shares(level: np.ndarray, excess: np.ndarray) -> np.ndarray:
+def _shares(clues: Clues, excess: np.ndarray) -> np.ndarray:
     """Power of each band over the square of the dark signal: least squares over the settings.
 
-    The signal is taken from the lowest level; zeros where the level hardly moves.
+    Zeros where the level hardly moves.
     """
-    good = np.isfinite(level) & np.isfinite(excess).all(axis=0)
-    square = (level[good] - level[good].min()) ** 2 if good.any() else np.empty(0)
-    size = float(square @ square)
-    return excess[:, good] @ square / size if size > 0 else np.zeros(len(excess))
+    told = over_signal(clues, excess)
+    if told is None:
+        return np.zeros(len(excess))
+    square, power = told[0] ** 2, told[1]
+    return np.asarray(power @ square / float(square @ square))
 
 
 def _law(power: np.ndarray, seen: np.ndarray, shape: tuple[int, int]) -> tuple[float, float] | None:

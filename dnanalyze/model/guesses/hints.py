@@ -9,11 +9,18 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.thermal import KELVIN, activation, arrhenius, arrhenius_line
 
 
-def unexplained_variance(clues: Clues, name: str) -> np.ndarray:
-    """Measured minus simulated square of a standard deviation, DN^2, one a setting."""
-    return (
-        np.asarray(clues.measured(name), float) ** 2 - np.asarray(clues.simulated(name), float) ** 2
-    )
+def unexplained_sigma(clues: Clues, name: str) -> float | None:
+    """Standard deviation at the reference gain that the model lacks, DN; None: not measured.
+
+    The median over the settings where it lacks any; where it lacks none, most of the least of all.
+    """
+    measured, simulated = (np.asarray(of(name), float) for of in (clues.measured, clues.simulated))
+    lost = (measured**2 - simulated**2) / gains(clues) ** 2
+    good = lost[np.isfinite(lost) & (lost > 0)]
+    if good.size:
+        return float(np.sqrt(np.median(good)))
+    total = measured / gains(clues)
+    return 0.7 * float(np.nanmin(total)) if np.isfinite(total).any() else None
 
 
 def exposure_and_gain(clues: Clues) -> np.ndarray:

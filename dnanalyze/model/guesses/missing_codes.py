@@ -11,7 +11,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.missing_codes import PERIODS, MissingCodes
 from dnanalyze.model.guesses.code_widths import code_widths
-from dnanalyze.model.guesses.evidence import curve, shows, typical_positive
+from dnanalyze.model.guesses.evidence import histogram, shows, typical_positive
 
 _MOST_CODES = 1 << 14  # of a histogram that is looked at
 WIDTH_SCATTER = 0.1  # of a width: histograms tell no better
@@ -66,10 +66,7 @@ def _with_widths(d: np.ndarray) -> MissingCodes:
 
 def _histograms(clues: Clues) -> list[tuple[np.ndarray, np.ndarray]]:
     """Codes and counts of the settings that have whole codes, and not too many."""
-    histograms = []
-    for setting in range(len(clues.points)):
-        codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
-        if codes is None or counts is None or np.any(codes % 1) or np.ptp(codes) > _MOST_CODES:
-            continue
-        histograms.append((codes, counts))
-    return histograms
+    seen = [histogram(clues, "histogram", setting) for setting in range(len(clues.points))]
+    return [
+        h for h in seen if h is not None and not np.any(h[0] % 1) and np.ptp(h[0]) <= _MOST_CODES
+    ]

@@ -11,7 +11,7 @@ from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.offset_drift import OffsetDrift
-from dnanalyze.model.guesses.evidence import curve, shows, typical_positive
+from dnanalyze.model.guesses.evidence import curve, over_signal, shows, typical_positive
 
 
 def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
@@ -27,8 +27,7 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     frames = max([len(m) for m in means if m is not None], default=4)
     frames = max(frames, 2)
     walk, white = math.sqrt(6.0 * frames / (frames**2 - 1.0)), _are_white(means)
-    level = np.asarray(clues.measured("mean"), float)
-    added, scaled = math.sqrt(typical_positive(spread2)), _relative(level, spread2)
+    added, scaled = math.sqrt(typical_positive(spread2)), _relative(clues, spread2)
     sizes = {"added": added} if scaled is None else {"added": added, "scaled": scaled}
     least = effect.parameters()["step"].lower
     guesses: list[Effect] = []
@@ -40,7 +39,7 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     if jumps.size and abs(np.sign(jumps).sum()) > 0.6 * jumps.size:
         small = bounded(effect, "step", 0.1 * (walk * added))
         guesses.insert(0, effect(small, bounded(effect, "transient", float(np.median(jumps)))))
-    share = _share(level, means)
+    share = _share(clues, means)
     if share is not None:
         step = bounded(effect, "step", 0.1 * abs(share))
         start = share / (1.0 - math.exp(-1.0 / effect.settling))
@@ -48,15 +47,15 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     return guesses
 
 
-def _relative(level: np.ndarray, spread2: np.ndarray) -> float | None:
+def _relative(clues: Clues, spread2: np.ndarray) -> float | None:
     """Spread of the frame means over the dark signal, by least squares in the signal above that of
     the coldest setting; None where that hardly moves or the spread does not grow with it.
     """
-    good = np.isfinite(level) & np.isfinite(spread2)
-    if good.sum() < 2 or np.ptp(level[good]) <= 0:
+    told = over_signal(clues, spread2)
+    if told is None:
         return None
-    x2 = (level[good] - level[good].min()) ** 2
-    square = float(x2 @ spread2[good] / (x2 @ x2))
+    x2 = told[0] ** 2
+    square = float(x2 @ told[1] / (x2 @ x2))
     return math.sqrt(square) if square > 0 else None
 
 
@@ -73,18 +72,18 @@ def _are_white(means: Sequence[np.ndarray | None]) -> bool:
     return differences > middle
 
 
-def _share(level: np.ndarray, means: Sequence[np.ndarray | None]) -> float | None:
+def _share(clues: Clues, means: Sequence[np.ndarray | None]) -> float | None:
     """Share by which the first frame's dark signal exceeds the next's: the slope of their
     difference over the level; None where the level hardly moves or the slope is not seen.
     """
     jump = np.array([np.nan if m is None or len(m) < 2 else m[0] - m[1] for m in means])
-    good = np.isfinite(level) & np.isfinite(jump)
-    if good.sum() < 3 or np.ptp(level[good]) <= 0:
+    told = over_signal(clues, jump)
+    if told is None or told[1].size < 3:
         return None
-    x = level[good] - level[good].min()
-    slope = float(x @ jump[good] / (x @ x))
-    rest = jump[good] - slope * x
-    error = math.sqrt(float(rest @ rest) / (good.sum() - 1) / float(x @ x))
+    x, jump = told
+    slope = float(x @ jump / (x @ x))
+    rest = jump - slope * x
+    error = math.sqrt(float(rest @ rest) / (x.size - 1) / float(x @ x))
     return slope if abs(slope) > 4.0 * error else None
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.guesses.evidence import curve, shows
+from dnanalyze.model.guesses.evidence import histogram, shows
 
 HOT_DEVIATIONS = 5.0  # robust standard deviations of the pattern from which a pixel counts as hot
 FEWEST = 20  # hot pixels that show how they are spread
@@ -45,9 +45,10 @@ def single_peak(clues: Clues) -> Peak | None:
     amplitude = np.full(sigma.size, np.nan)
     shares, widths = [], []
     for setting in range(sigma.size):
-        x, n = (curve(clues, f"pattern_hist_{axis}", setting) for axis in "xn")
-        if x is None or n is None or not np.isfinite(sigma[setting]):
+        seen = histogram(clues, "pattern_hist", setting)
+        if seen is None or not np.isfinite(sigma[setting]):
             continue
+        x, n = seen
         summed = np.cumsum(n)
         x = x - np.interp(0.5 * summed[-1], summed, x)
         hot = x > HOT_DEVIATIONS * sigma[setting]
