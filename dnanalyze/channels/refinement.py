@@ -18,7 +18,7 @@ from dnanalyze.diagnosis.search_path import NO_LIMITS, SearchLimits
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import Parameters, fit_on, standard_errors
+from dnanalyze.fitting.fit import Parameters, fit_on, uncertain
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem, fit_problem
@@ -102,7 +102,7 @@ class ChannelRefinement(Result):
     @cached_property
     def parameters(self) -> Parameters:
         """The numbers of the model of all channels, with their standard errors."""
-        return standard_errors(self.problem, self.state)
+        return uncertain(self.problem, self.state).parameters
 
     @property
     def error(self) -> float:

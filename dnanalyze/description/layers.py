@@ -197,10 +197,8 @@ def chance(plan: Design, model: NoiseModel) -> Layers:
 
 
 def _of(captures: CaptureSet, plan: Design, model: NoiseModel) -> Layers:
-    train, test = plan.windows
-    window = Window(train.top, test.bottom, train.left, train.right)
     taken = tuple(
-        Taken(s.point, np.stack([f.read(window) for f in s.frames]).astype(np.float32))
+        Taken(s.point, np.stack([f.read(plan.window) for f in s.frames]).astype(np.float32))
         for s in captures.settings
     )
     levels = [float(t.mean.mean()) for t in taken]
@@ -208,7 +206,7 @@ def _of(captures: CaptureSet, plan: Design, model: NoiseModel) -> Layers:
         max(level - value_at(model.pedestal, t.point), 0.0)
         for level, t in zip(levels, taken, strict=True)
     ]
-    return Layers(taken, window, plan.shape, np.array(dark))
+    return Layers(taken, plan.window, plan.shape, np.array(dark))
 
 
 def together(maps: Sequence[Layer], growth: np.ndarray) -> Layer:

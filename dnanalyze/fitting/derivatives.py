@@ -15,6 +15,7 @@ import numpy as np
 from dnanalyze.fitting.free_parameters import (
     PEDESTAL,
     FreeParameter,
+    grouped,
     positions,
     settings_of,
     with_values,
@@ -44,14 +45,12 @@ def derive(
     A first step that moves the numbers by less than ``smallest`` floors is taken again, longer.
     ``anew``: also those that are known, which then tell how long a step must be.
     """
-    wanted: dict[str, list[int]] = {}
-    for i, parameter in enumerate(state.free):
-        if (anew or np.isnan(state.jacobian[:, i]).any()) and only(parameter):
-            wanted.setdefault(parameter.group, []).append(i)
+    open_yet = np.isnan(state.jacobian).any(axis=0) | anew
+    wanted = [i for i, k in enumerate(state.free) if open_yet[i] and only(k)]
     jacobian = state.jacobian.copy()
     near: list[list[int]] = []
     far: list[list[int]] = []
-    for members in wanted.values():
+    for members in grouped(state.free, wanted):
         parameter = state.free[members[0]]
         if not _told(problem, state.model, parameter):
             jacobian[:, members] = 0.0

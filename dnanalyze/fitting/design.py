@@ -48,6 +48,11 @@ class Design:
         return self.train, self.test
 
     @property
+    def window(self) -> Window:
+        """What both halves make up."""
+        return Window(self.train.top, self.test.bottom, self.train.left, self.train.right)
+
+    @property
     def period(self) -> int:
         """Rows and columns after which the colour filter repeats; 1 without one."""
         return _period(self.captures.sensor)

@@ -463,8 +463,8 @@ def _read_off(problem: FitProblem, model: NoiseModel) -> list[Parameter]:
     return found
 
 
-def standard_errors(problem: FitProblem, state: State, simulate: bool = True) -> Parameters:
-    """Fitted parameters of a model with their standard errors.
+def uncertain(problem: FitProblem, state: State, simulate: bool = True) -> Fit:
+    """A fitted model with its standard errors, and what the captures do not determine.
 
     The estimate was made with one simulated sensor, which scatters as much as the measured one: the
     variance is twice that of one sensor, where `fit`, which averages over 1 + n simulated sensors,
@@ -472,16 +472,11 @@ def standard_errors(problem: FitProblem, state: State, simulate: bool = True) ->
 
     Parameters
     ----------
-    held : FitProblem
+    problem : FitProblem
     state : State
     simulate : bool
         Whether replicates are simulated for the errors; else these are NaN.
     """
-    return uncertain(problem, state, simulate).parameters
-
-
-def uncertain(problem: FitProblem, state: State, simulate: bool = True) -> Fit:
-    """As `standard_errors`, with what the captures do not determine."""
     here = with_uncertainties(problem, state, 0)
     if not simulate:
         return here
@@ -506,14 +501,11 @@ def _of_dark_current(model: NoiseModel, parameter: FreeParameter) -> bool:
 
 
 def _parameter(parameter: FreeParameter, position: float, spread: float, seen: bool) -> Parameter:
-    value, se = parameter.plain(position), _plain_error(parameter, position, spread)
+    value = parameter.plain(position)
+    se = float(value * spread if parameter.log else spread)
     vague = parameter.log and spread > VAGUE
     upper = value + ONE_SIDED * se if vague and seen and math.isfinite(se) else None
     return Parameter(parameter.name, value, se, parameter.unit, seen and not vague, upper)
-
-
-def _plain_error(parameter: FreeParameter, position: float, spread: float) -> float:
-    return float(parameter.plain(position) * spread if parameter.log else spread)
 
 
 def _doubts(

@@ -16,8 +16,9 @@ from dnanalyze.analyzers.field_profile import FieldProfile, field_profile
 from dnanalyze.loaders.captures import CaptureSet, Setting, Window
 from dnanalyze.robust import robust_deviation
 
-FRAMES = 2  # of a setting that is surveyed; block means repeat to 1/45 of the noise of a pixel
-CHANCE = 0.01  # that anything of a structureless field counts as structure
+FRAMES = 2  # of an operating point; block means repeat to 1/45 of the noise of a pixel
+# That anything of a structureless field counts as structure, or of a right model as off anywhere
+CHANCE = 0.01
 
 
 def surveyed(captures: CaptureSet, chosen: Sequence[Setting]) -> list[FieldProfile]:

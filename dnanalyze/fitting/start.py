@@ -11,7 +11,7 @@ from scipy.optimize import nnls
 from dnanalyze.fitting.moments import Moments, temperature_knots
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.thermometer import tells_slope
-from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 from dnanalyze.model.laws import TableLaw, value_at
 from dnanalyze.model.noise_model import NoiseModel
@@ -51,8 +51,7 @@ def _paper(m: Moments) -> NoiseModel:
     spread = np.maximum(spread, 0.02)
     square = m.signal**2 * np.exp(spread**2)
     sigma = np.sqrt(np.maximum(m.temporal, 1e-6) / (9.0 * square))
-    base = _base(
-        m,
+    base = ConvolvedLognormal(
         mu=_table(m.points, np.log(m.signal) - spread**2 / 2),
         delta=_table(m.points, spread),
         phi=_table(m.points, np.full(len(m.points), 2e-3)),
@@ -93,15 +92,10 @@ def ordinary_model(
     delta = math.sqrt(math.log1p(min(max(relative, 1e-3), 50.0)))
     lit = [i for i, p in enumerate(m.points) if p.exposure_s is None or p.exposure_s > 0]
     reference = m.reference
-    ratio = np.array(
-        [
-            p.exposure_s / reference.exposure_s if p.exposure_s and reference.exposure_s else 1.0
-            for p in m.points
-        ]
-    )
-    rate = m.signal / ratio
+    rate = m.signal / np.array([p.exposure_over(reference) or 1.0 for p in m.points])
     mu = np.log(np.maximum(rate, 1e-4)) - delta**2 / 2
-    base = _base(m, mu=_by_temperature(m.points, mu, lit), delta=delta, phi=1e-3, sigma=1e-6)
+    rows = _by_temperature(m.points, mu, lit)
+    base = ConvolvedLognormal(mu=rows, delta=delta, phi=1e-3, sigma=1e-6)
     effects = (
         base,
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
@@ -149,9 +143,3 @@ def _by_temperature(points: list[OperatingPoint], mu: np.ndarray, lit: list[int]
     if not rows:
         rows[OperatingPoint()] = (1.0, 0.0), float(np.median(mu))
     return TableLaw(tuple(rows), tuple(v for _, v in rows.values()))
-
-
-def _base(m: Moments, **values: object) -> Effect:
-    from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
-
-    return ConvolvedLognormal(**values)  # type: ignore[arg-type]

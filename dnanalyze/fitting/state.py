@@ -77,11 +77,6 @@ def unseen(problem: FitProblem, model: NoiseModel) -> Callable[[], np.ndarray]:
     return cache(partial(problem.judged_z, model))
 
 
-def given(z: np.ndarray) -> Callable[[], np.ndarray]:
-    """The same for known misfits."""
-    return lambda: z
-
-
 def deviance(z: np.ndarray) -> np.ndarray:
     """Pseudo-Huber loss 2 c^2 (sqrt(1 + (z/c)^2) - 1) of each: z^2 well below c, 2 c |z| above."""
     return np.asarray(2 * SCALE**2 * (np.sqrt(1 + (z / SCALE) ** 2) - 1))

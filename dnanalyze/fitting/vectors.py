@@ -150,16 +150,9 @@ class Target:
             Key(settings.index(self.keys[i].setting), self.keys[i].plane, self.keys[i].name)
             for i in here
         )
-        return Target(
-            keys,
-            self.values[here],
-            self.coordinates[here],
-            self.stated[here],
-            self.families[here],
-            None if self.allowed is None else self.allowed[here],
-            None if self.scale is None else self.scale[here],
-            self.misfit,
-        )
+        arrays = ("values", "coordinates", "stated", "families", "allowed", "scale")
+        own = {name: of[here] for name in arrays if (of := getattr(self, name)) is not None}
+        return replace(self, keys=keys, **own)
 
     def rows_of(self, other: Target) -> np.ndarray:
         """Row of each number of another target in this one; -1 where it is not in it."""
@@ -198,22 +191,13 @@ def target(statistics: list[Statistics], part: int) -> Target:
         0 train, 1 test.
     """
     known = infos()
-    keys, values, coordinates, reproducibility_sd, families = [], [], [], [], []
-    for k, (value, se, info) in _numbers(statistics, part, known).items():
-        c = info.scale.coordinate(value)
-        if np.isfinite(c) and np.isfinite(se) and se > 0:
-            keys.append(k)
-            values.append(value)
-            coordinates.append(c)
-            reproducibility_sd.append(np.sqrt(2.0) * se)
-            families.append(info.family)
-    return Target(
-        tuple(keys),
-        np.array(values),
-        np.array(coordinates),
-        np.array(reproducibility_sd),
-        np.array(families),
-    )
+    rows = [
+        (key, value, c, np.sqrt(2.0) * se, info.family)
+        for key, (value, se, info) in _numbers(statistics, part, known).items()
+        if np.isfinite(c := info.scale.coordinate(value)) and np.isfinite(se) and se > 0
+    ]
+    keys, *columns = zip(*rows, strict=True) if rows else [()] * 5
+    return Target(tuple(keys), *map(np.array, columns))
 
 
 def places(statistics: Statistics) -> list[Place]:

@@ -15,7 +15,7 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.level import MEAN
 from dnanalyze.fitting.problem import FitProblem, fit_problem
-from dnanalyze.fitting.state import given, start
+from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.flicker_fpn import FlickerFpn
 from dnanalyze.model.effects.offset_drift import OffsetDrift
@@ -52,7 +52,7 @@ def with_misfits(null: FittedModel, train: np.ndarray, test: np.ndarray) -> Fitt
         for half, own, z in sides
     ]
     measured = replace(problem, train=there[0], test=there[1])
-    return FittedModel(measured, replace(state, train=train, unseen=given(test)))
+    return FittedModel(measured, replace(state, train=train, unseen=lambda: test))
 
 
 @pytest.fixture(scope="module")
@@ -144,9 +144,9 @@ def test_a_statistic_is_corrected_where_it_is_on_both_halves(without):
         np.where(half.names == "drift", 0.0, z)
         for half, z in ((problem.train, state.train), (problem.test, state.test))
     )
-    assert without.corrects(["drift", "mean"], replace(state, train=train, unseen=given(test)))
-    assert not without.corrects(["drift", "mean"], replace(state, unseen=given(test)))
-    assert not without.corrects(["mean"], replace(state, train=train, unseen=given(test)))
+    assert without.corrects(["drift", "mean"], replace(state, train=train, unseen=lambda: test))
+    assert not without.corrects(["drift", "mean"], replace(state, unseen=lambda: test))
+    assert not without.corrects(["mean"], replace(state, train=train, unseen=lambda: test))
 
 
 @pytest.mark.long
@@ -164,7 +164,7 @@ def test_evidence_from_one_sensors_random_field_is_in_units_of_its_scatter():
         np.where(np.char.startswith(half.names.astype(str), "shading"), 0.0, z)
         for half, z in ((seen.train, null.state.train), (seen.test, null.state.test))
     )
-    after = replace(null.state, train=train, unseen=given(test))
+    after = replace(null.state, train=train, unseen=lambda: test)
     found = judged(null, "glow", after)
     further = [plain.problem.replicate(plain.state.model, n) for n in range(100, 140)]
     expected = 0.0

@@ -17,7 +17,7 @@ from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import paper_models
-from dnanalyze.fitting.state import State, carried, given, start
+from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
@@ -202,7 +202,7 @@ def test_a_fit_ends_where_a_round_gains_nothing_a_hopeless_one_after_the_first(
 
     monkeypatch.setattr(from_part, "minimise", lower)
     monkeypatch.setattr(from_part, "derive", lambda _bench, state, **_: state)
-    begun = State(None, [], np.full(1000, 2.0), given(np.zeros(1)), np.zeros((1000, 0)))
+    begun = State(None, [], np.full(1000, 2.0), lambda: np.zeros(1), np.zeros((1000, 0)))
     from_part.converge(None, begun, hopeless=hopeless)
     assert len(made) == rounds
 

@@ -9,7 +9,7 @@ import small_series as small
 
 from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.least_squares import HOPE, minimise, within_reach
-from dnanalyze.fitting.state import State, given, start
+from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.vectors import Key, Target
 
 
@@ -32,7 +32,7 @@ def test_a_step_tells_whether_its_derivatives_are_true(factor, far, true):
 
     problem = SimpleNamespace(bounds=lambda _: None, weight=1.0)
     straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, ties=lambda *_: ())
-    begun = State(model, free, z(model), given(z(model)), -factor * slope, not true)
+    begun = State(model, free, z(model), lambda: z(model), -factor * slope, not true)
     ended = minimise(straight, begun, 5, tolerance=0.992 if far < 1 else 0.01)
     assert ended.loss < 0.5 * begun.loss
     assert ended.at_rest == true
@@ -60,7 +60,7 @@ def test_a_loss_is_within_reach_up_to_some_times_what_a_step_promises(share, rea
     slope = np.zeros((500, 2))
     slope[:50, 0] = 1.0  # moves a tenth of the numbers
     slope[:, 1] = np.nan  # not known: it promises nothing
-    state = State(model, free, np.full(500, 0.1), given(np.zeros(1)), slope)
+    state = State(model, free, np.full(500, 0.1), lambda: np.zeros(1), slope)
     promised = 50 * 0.1**2
     assert within_reach(state, state.loss - HOPE * promised / share) == reached
 
