@@ -1,4 +1,4 @@
-"""What stays in its place and changes from frame to frame: a spot, lines, a share of a row."""
+"""What stays in its place and changes from frame to frame: a spot, a share of the row before."""
 
 from __future__ import annotations
 
@@ -6,15 +6,12 @@ import math
 
 import numpy as np
 
-from dnanalyze.description.found import Estimate, Sizes
+from dnanalyze.description.found import Estimate, Sizes, random_sizes
 from dnanalyze.description.layers import Layers
-from dnanalyze.description.random_size import random_size
 from dnanalyze.description.spots import standing
-from dnanalyze.description.variance_lines import groups
 from dnanalyze.model.composite.effect import CompositeEffect
-from dnanalyze.robust import robust_deviation
+from dnanalyze.robust import QUARTILES
 
-LINE_ERRORS = 5.0  # standard errors by which a line stands out
 # Variance within the two groups, above and below 0, over the whole: 0 of two levels without noise,
 # 1 - 2 / pi = .36 of a normal distribution; the middle.
 TWO_GROUPS = 0.18
@@ -29,8 +26,7 @@ def standing_spot(seen: Layers, coarse: list[np.ndarray], noise: list[float]) ->
     if told is None:
         return []
     series = list(zip(told.heights, told.chance, strict=True))
-    frames = np.array([len(s) for s, _ in series])
-    gain = sum(random_size(s, c)[2] * (len(s) - 1.0) / len(s) for s, c in series)
+    sizes, gain = random_sizes(told.heights, told.chance)
     count = sum(c.size for c in coarse)
     price = (4.0 + len(series)) * math.log(count)
     words: dict[str, object] = {
@@ -60,71 +56,8 @@ def standing_spot(seen: Layers, coarse: list[np.ndarray], noise: list[float]) ->
         return [
             Estimate(effect, told.errors, gain, price, Sizes(np.array(values), np.array(errors)))
         ]
-    found = [random_size(s, c) for s, c in series]
-    sizes = Sizes(
-        np.array([f[0] for f in found]),
-        np.array([f[1] for f in found]) * np.sqrt(frames / (frames - 1.0)),
-        squares=True,
-    )
     effect = CompositeEffect(when="persisting", tau=AT_ONCE, **words)  # type: ignore[arg-type]
     return [Estimate(effect, told.errors, gain, price, sizes)]
-
-
-def changing_lines(seen: Layers) -> list[Estimate]:
-    """A few rows or columns whose level changes from frame to frame."""
-    found = []
-    for where, axis in (("row", 2), ("column", 1)):
-        means = [t.temporal.mean(axis=axis, dtype=float) for t in seen.taken]
-        means = [m - np.median(m, axis=1, keepdims=True) for m in means]
-        length = seen.taken[0].frames.shape[axis]
-        chance = [
-            max(t.noise**2 / length, robust_deviation(m, 0.0) ** 2)
-            for t, m in zip(seen.taken, means, strict=True)
-        ]
-        score = sum(np.sum(m**2, axis=0) / c for m, c in zip(means, chance, strict=True))
-        score = np.asarray(score, float)
-        count = sum(len(m) - 1 for m in means)
-        middle = float(np.median(score))
-        error = max(math.sqrt(2.0 * count), robust_deviation(score, middle))
-        chosen = score > middle + LINE_ERRORS * error
-        share = float(chosen.mean())
-        if not 0 < share < 0.5:
-            continue
-        told = [random_size(m[:, chosen], c) for m, c in zip(means, chance, strict=True)]
-        frames = np.array([len(m) for m in means])
-        gain = float(np.sum([f[2] for f in told] * (frames - 1.0) / frames))
-        sizes = Sizes(
-            np.array([f[0] for f in told]),
-            np.array([f[1] for f in told]) * np.sqrt(frames / (frames - 1.0)),
-            squares=True,
-        )
-        values = np.concatenate([m[:, chosen].ravel() for m in means])
-        first = seen.window.top if where == "row" else seen.window.left
-        effect = CompositeEffect(
-            when="frame", where=where, share=share, lines=groups(chosen, first),
-            distribution="two_level" if _two_levels(values, frames) else "normal",
-        )  # fmt: skip
-        spread = math.sqrt(share * (1 - share) / chosen.size)
-        price = (float(chosen.sum()) + 2.0) * math.log(chosen.size * count)
-        found.append(Estimate(effect, {"share": spread}, gain, price, sizes))
-    return found
-
-
-def _two_levels(values: np.ndarray, frames: np.ndarray) -> bool:
-    """Whether values less the means of n frames are of two levels, by their fourth moment.
-
-    Over the square of the second it is 3 of a normal distribution. Of two levels with k of n up, p
-    = k / n, it is 16 E[p q (1 - 3 p q)] over (4 E[p q])^2: 1.6 of six frames.
-    """
-    if values.size < 200:  # the moment of so many normal values has an error of sqrt(24 / n) = .35
-        return False
-    n = max(int(np.median(frames)), 2)
-    k = np.arange(n + 1)
-    odds = np.array([math.comb(n, int(i)) for i in k]) / 2.0**n
-    pq = k / n * (1.0 - k / n)
-    two = float(odds @ (pq * (1.0 - 3.0 * pq))) / float(odds @ pq) ** 2
-    ratio = float(np.mean(values**4) / np.mean(values**2) ** 2)
-    return ratio < (two + 3.0) / 2.0
 
 
 def row_before(seen: Layers) -> list[Estimate]:
@@ -162,5 +95,5 @@ def _falls_on_the_next(seen: Layers) -> bool:
     mean = seen.taken[int(np.argmax(seen.dark))].mean
     rest = mean - np.median(mean)
     low, high = np.percentile(rest, (25, 75))
-    hot = rest[1:-1] > 3.0 * (high - low) / 1.349
+    hot = rest[1:-1] > 3.0 * (high - low) / QUARTILES
     return bool(np.sum((rest[2:] - rest[:-2])[hot]) > 0)

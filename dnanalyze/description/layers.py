@@ -14,8 +14,10 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Window
 from dnanalyze.model.laws import value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
+from dnanalyze.robust import QUARTILES
 
 HOT = 6.0  # robust standard deviations of a variance: of six frames .06 % lie beyond
+GRID = 16  # blocks a side of coarse maps, over which steps and spots are told from shading
 CLIP = 4.0  # robust standard deviations: of white noise .006 % lie beyond, hot pixels all
 
 
@@ -109,7 +111,7 @@ class Taken:
         """
         found = self.frames.var(axis=0, ddof=1, dtype=float)
         low, middle, high = np.percentile(found, (25, 50, 75), axis=axis, keepdims=True)
-        cut = np.minimum(found, middle + HOT * (high - low) / 1.349)
+        cut = np.minimum(found, middle + HOT * (high - low) / QUARTILES)
         return np.asarray(cut.mean(axis=axis))
 
     @cached_property
@@ -182,7 +184,15 @@ def robust(values: np.ndarray) -> float:
     """Standard deviation by the quartiles of a sample of the values, never 0."""
     flat = values.reshape(-1)
     low, high = np.percentile(flat[:: max(1, flat.size // 200_000)], (25, 75))
-    return max(float(high - low) / 1.349, 1e-6)
+    return max(float(high - low) / QUARTILES, 1e-6)
+
+
+def coarse(maps: np.ndarray) -> np.ndarray:
+    """Means of GRID x GRID blocks of maps, (..., GRID, GRID)."""
+    rows, columns = (n // GRID for n in maps.shape[-2:])
+    cut = maps[..., : rows * GRID, : columns * GRID]
+    parts = cut.reshape(*maps.shape[:-2], GRID, rows, GRID, columns)
+    return np.asarray(parts.mean(axis=(-3, -1), dtype=float))
 
 
 def layers(plan: Design, model: NoiseModel) -> Layers:

@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 
 from dnanalyze.comparator.error import ERROR_SCATTER, pooled
+from dnanalyze.description.found import grown
 from dnanalyze.description.layers import CLIP, robust
 from dnanalyze.description.shrinkage import factors, filtered
 from dnanalyze.digits import number
@@ -24,7 +25,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 from dnanalyze.progress import Progress, reporter
 from dnanalyze.result import Result
-from dnanalyze.thermal import arrhenius, least_energy
+from dnanalyze.thermal import least_energy
 
 REPLICATES = 4  # simulated sensors: the power of a band of n modes is known to 1 / sqrt(4 n)
 # Squared standard scores by which a law with one number more must be better: one pattern of a
@@ -397,10 +398,7 @@ def _growth(
     """Size at each operating point relative to the reference."""
     if law == "constant" or reference.temperature_c is None:
         return np.ones(len(points))
-    at = reference.temperature_c
-    return np.array(
-        [p.exposure_over(reference) * arrhenius(p.temperature_c, at, energy) for p in points]
-    )
+    return grown(points, reference, energy)
 
 
 def _predicted(

@@ -29,8 +29,8 @@ def waves(seen: Layers, maps: Maps, growth: np.ndarray, what: str) -> list[Estim
     """The best plane wave and the best rings of maps whose pattern grows so over the points."""
     layer = together(maps, growth)
     found = []
-    u, v, height = _peak(layer.map)
-    if height < 2.0 * math.log(layer.map.size):  # below that a strongest line is chance
+    u, v, power = _peak(layer.map - layer.map.mean())
+    if power < layer.map.size * math.log(layer.map.size):  # below that a strongest line is chance
         return []
     plane = _polished(_plane(seen), np.array([v, u]), layer.map, 0.1 / np.array(layer.map.shape))
     for values in (plane, _exact(plane, layer.map.shape)):
@@ -92,17 +92,18 @@ def _polished(angle: Angle, begun: np.ndarray, map_: np.ndarray, step: np.ndarra
     return np.asarray(here)
 
 
-def _peak(map_: np.ndarray) -> tuple[float, float, float]:
-    """Frequencies (u, v) of the strongest line, not below `LEAST_CYCLES` over the field.
+def _peak(map_: np.ndarray, padded: int = 1) -> tuple[float, float, float]:
+    """Frequencies (u, v) and power of the strongest line, not below `LEAST_CYCLES` over the field.
 
-    And twice the gain of the log likelihood that it brings.
+    ``padded``: times the field, with zeros, over which the spectrum is taken.
     """
-    power = np.abs(fft.rfft2(map_ - map_.mean())) ** 2
-    v, u = fft.fftfreq(map_.shape[0])[:, None], fft.rfftfreq(map_.shape[1])[None, :]
+    shape = (padded * map_.shape[0], padded * map_.shape[1])
+    power = np.abs(fft.rfft2(map_, s=shape)) ** 2
+    v, u = fft.fftfreq(shape[0])[:, None], fft.rfftfreq(shape[1])[None, :]
     slow = np.hypot(v * map_.shape[0], u * map_.shape[1]) < LEAST_CYCLES
     power = np.where(slow, 0.0, power)
     i, j = np.unravel_index(int(power.argmax()), power.shape)
-    return float(u[0, j]), float(v[i, 0]), 2.0 * float(power.max()) / map_.size
+    return float(u[0, j]), float(v[i, 0]), float(power.max())
 
 
 def _exact(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
@@ -124,18 +125,14 @@ def _centre(seen: Layers, map_: np.ndarray) -> np.ndarray | None:
     for a in range(TILES):
         for b in range(TILES):
             tile = map_[a * rows : (a + 1) * rows, b * columns : (b + 1) * columns]
-            shape = (2 * rows, 2 * columns)
-            power = np.abs(fft.rfft2((tile - tile.mean()) * window, s=shape)) ** 2
-            v, u = fft.fftfreq(shape[0])[:, None], fft.rfftfreq(shape[1])[None, :]
-            power = np.where(np.hypot(v * rows, u * columns) < LEAST_CYCLES, 0.0, power)
-            i, j = np.unravel_index(int(power.argmax()), power.shape)
-            wave = np.array([float(v[i, 0]), float(u[0, j])])
+            u, v, power = _peak((tile - tile.mean()) * window, 2)
+            wave = np.array([v, u])
             places.append(
                 [seen.window.top + (a + 0.5) * rows, seen.window.left + (b + 0.5) * columns]
             )
             directions.append(wave / np.linalg.norm(wave))
             sizes.append(float(np.linalg.norm(wave)))
-            strength.append(float(power.max()))
+            strength.append(power)
     order = np.argsort(strength)[::-1][: TILES * TILES // 2]
     middle = float(np.median(np.array(sizes)[order]))
     near = [t for t in range(len(sizes)) if abs(sizes[t] / middle - 1.0) < PERIOD_SCATTER]

@@ -8,11 +8,11 @@ import numpy as np
 
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.guesses.evidence import histogram, shows
+from dnanalyze.robust import QUARTILES
 
 HOT_DEVIATIONS = 5.0  # robust standard deviations of the pattern from which a pixel counts as hot
 FEWEST = 20  # hot pixels that show how they are spread
 NARROW = 0.4  # quartile distance over median; 1.6 where amplitudes are exponential
-_QUARTILES = 1.349  # between the quartiles of a normal distribution, standard deviations
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def single_peak(clues: Clues) -> Peak | None:
         if high - low < NARROW * middle:
             amplitude[setting] = middle
             shares.append(float(count[-1] / summed[-1]))
-            spread = ((high - low) / _QUARTILES) ** 2 - sigma[setting] ** 2
+            spread = ((high - low) / QUARTILES) ** 2 - sigma[setting] ** 2
             widths.append(float(np.sqrt(max(spread, 0.0)) / middle))
     if not shares:
         return None
