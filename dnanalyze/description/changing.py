@@ -10,13 +10,13 @@ from dnanalyze.description.found import Estimate, Sizes, random_sizes
 from dnanalyze.description.layers import Layers
 from dnanalyze.description.spots import standing
 from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 from dnanalyze.robust import QUARTILES
 
 # Variance within the two groups, above and below 0, over the whole: 0 of two levels without noise,
 # 1 - 2 / pi = .36 of a normal distribution; the middle.
-TWO_GROUPS = 0.18
+TWO_GROUPS = (1.0 - 2.0 / math.pi) / 2.0
 COLUMN_SHARE = 0.25  # correlation along the rows over that along the columns: crosstalk has 1
-ROUNDING = 1.0 / 12.0  # DN^2
 AT_ONCE = 0.05  # frames, the time constant of what draws anew in every frame
 
 
@@ -71,7 +71,7 @@ def row_before(seen: Layers) -> list[Estimate]:
         rest = t.temporal / np.float32(t.noise)
         rest = rest - rest.mean(axis=1, keepdims=True) - rest.mean(axis=2, keepdims=True)
         # the rounding of the codes comes after the share is taken, and is not shared
-        power = max(float(np.mean(rest * rest)) - ROUNDING / t.noise**2, 1e-9)
+        power = max(float(np.mean(rest * rest)) - ROUNDING_VARIANCE / t.noise**2, 1e-9)
         one = float(np.mean(rest[:, 1:] * rest[:, :-1])) / power
         two = float(np.mean(rest[:, 2:] * rest[:, :-2])) / power
         side = float(np.mean(rest[:, :, 1:] * rest[:, :, :-1])) / power

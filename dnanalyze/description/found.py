@@ -8,17 +8,19 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import optimize
+from scipy.stats import chi2
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.significance import UNLIKELY
 from dnanalyze.thermal import BOLTZMANN_EV, KELVIN, arrhenius, least_energy
 
 # Sizes of one structure at several points agree to this: cut hot pixels shift them by up to 1.5 %
 # (waves and diagonals in log-normal dark current, benchmarks/describe_new_sensors.py).
 LAW_SCATTER = 0.02
-# By which a further number must lower chi square: 1 % of those of one number are larger by chance
-# (the logarithm of four operating points, 1.39, would be exceeded by 24 %).
-SURE = 6.63
+# By which a further number must lower chi square; the logarithm of four operating points, 1.39,
+# would be exceeded by 24 % of chance
+SURE = float(chi2.isf(UNLIKELY, 1))
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,12 @@ from dnanalyze.model.laws import value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 from dnanalyze.robust import QUARTILES
+from dnanalyze.significance import CERTAIN, NOTICEABLE
 
-HOT = 6.0  # robust standard deviations of a variance: of six frames .06 % lie beyond
 GRID = 16  # blocks a side of coarse maps, over which steps and spots are told from shading
-CLIP = 4.0  # robust standard deviations: of white noise .006 % lie beyond, hot pixels all
+# Robust standard deviations at which pixels are cut: of white noise .006 % lie beyond, hot pixels
+# all. A variance is cut at `CERTAIN`: of six frames .06 % lie beyond.
+CLIP = NOTICEABLE
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,7 @@ class Taken:
         """
         found = self.frames.var(axis=0, ddof=1, dtype=float)
         low, middle, high = np.percentile(found, (25, 50, 75), axis=axis, keepdims=True)
-        cut = np.minimum(found, middle + HOT * (high - low) / QUARTILES)
+        cut = np.minimum(found, middle + CERTAIN * (high - low) / QUARTILES)
         return np.asarray(cut.mean(axis=axis))
 
     @cached_property
@@ -119,7 +121,7 @@ class Taken:
         """The temporal variance of the pixels less its mean, DN^2."""
         found = self.frames.var(axis=0, ddof=1, dtype=float)
         middle, noise = float(np.median(found)), robust(found)
-        cut = np.minimum(found, middle + HOT * noise)
+        cut = np.minimum(found, middle + CERTAIN * noise)
         return Layer(cut - cut.mean(), float(cut.std()), self.point)
 
 

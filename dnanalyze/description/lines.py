@@ -11,9 +11,7 @@ from dnanalyze.description.found import Estimate, Sizes, random_sizes
 from dnanalyze.description.layers import Layers
 from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.robust import robust_deviation
-
-# Standard errors by which a line stands out: 3e-7 by chance, .001 of the lines of a large sensor
-LINE_ERRORS = 5.0
+from dnanalyze.significance import CLEAR
 
 
 def variance_lines(seen: Layers) -> list[Estimate]:
@@ -26,7 +24,7 @@ def variance_lines(seen: Layers) -> list[Estimate]:
         mean = np.mean(lines, axis=0)
         middle = float(np.median(mean))
         error = robust_deviation(mean, middle)
-        chosen = mean > middle + LINE_ERRORS * max(error, 1e-9)
+        chosen = mean > middle + CLEAR * max(error, 1e-9)
         if not _few(chosen):
             continue
         excess = [x[chosen] - np.median(x[~chosen]) for x in lines]
@@ -55,7 +53,7 @@ def changing_lines(seen: Layers) -> list[Estimate]:
         count = sum(len(m) - 1 for m in means)
         middle = float(np.median(score))
         error = max(math.sqrt(2.0 * count), robust_deviation(score, middle))
-        chosen = score > middle + LINE_ERRORS * error
+        chosen = score > middle + CLEAR * error
         if not _few(chosen):
             continue
         sizes, gain = random_sizes([m[:, chosen] for m in means], chance)
@@ -81,7 +79,7 @@ def segments(seen: Layers) -> list[Estimate]:
         middle = float(np.median(score))
         # a squared Brownian bridge has mean 1/6 and variance 1/45 (Cramer and von Mises)
         error = max(math.sqrt(1 / 45 / count), robust_deviation(score, middle))
-        chosen = score > middle + LINE_ERRORS * error
+        chosen = score > middle + CLEAR * error
         if not _few(chosen):
             continue
         gain = float(np.sum(((score[chosen] - middle) / error) ** 2))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
+from scipy.stats import chi2
 
 from dnanalyze.comparator.error import ERROR_SCATTER, pooled
 from dnanalyze.description.found import grown
@@ -25,12 +26,10 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 from dnanalyze.progress import Progress, reporter
 from dnanalyze.result import Result
+from dnanalyze.significance import RARE
 from dnanalyze.thermal import least_energy
 
 REPLICATES = 4  # simulated sensors: the power of a band of n modes is known to 1 / sqrt(4 n)
-# Squared standard scores by which a law with one number more must be better: one pattern of a
-# constant size in a thousand is by chance (chi^2 of one number).
-CHI2_THOUSANDTH = 10.83
 # Of bands, law and weights: on four sensors of benchmarks/describe_new_sensors.py (halves, rings,
 # gain of blocks, wave) the second changes the rms of the map by up to a factor of 2, the third by
 # 4 % at most, a fourth and further ones by nothing.
@@ -387,7 +386,7 @@ def _law(
         return float(np.sum(w * (y - level * growth) ** 2))
 
     best = least_energy(partial(misfit, "thermal"), ENERGIES)
-    if misfit("constant", 0.0) - misfit("thermal", best) > CHI2_THOUSANDTH:
+    if misfit("constant", 0.0) - misfit("thermal", best) > chi2.isf(RARE, 1):
         return "thermal", best
     return "constant", 0.0
 

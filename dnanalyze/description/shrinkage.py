@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.stats import norm
+
+from dnanalyze.significance import RARE
 
 LOWEST_OCTAVE = 2  # log2 of the periods in the frame up to which modes share the lowest band
 SMALLEST = 4  # modes of a band at the least: those of the lowest band along an axis
-# Standard errors by which a band's power must exceed chance: normal quantile of 1 - .001 / 36, so
-# that one sensor in a thousand without structure keeps any of 36 bands (12 octaves, three kinds).
-POWER_ERRORS = 4.03
+# Standard errors by which a band's power must exceed chance, so that one sensor in a thousand
+# without structure keeps any of 36 bands (12 octaves, three kinds): 4.03.
+POWER_ERRORS = float(norm.isf(RARE / 36))
 
 
 def bands(shape: tuple[int, int]) -> np.ndarray:

@@ -16,10 +16,11 @@ from dnanalyze.detection.reasons import reason
 from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
-from dnanalyze.detection.verdict import TestResult, ask, decide
+from dnanalyze.detection.verdict import FINE, TestResult, ask, decide
 from dnanalyze.executors import in_order
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.progress import Progress
+from dnanalyze.significance import RARE
 
 WORKERS = 2  # groups in memory at a time
 
@@ -27,7 +28,7 @@ WORKERS = 2  # groups in memory at a time
 def detect(
     captures: CaptureSet,
     *,
-    alpha: float = 1e-3,
+    alpha: float = RARE,
     progress: Progress | None = None,
     executor: Executor | None = None,
 ) -> Detection:
@@ -220,7 +221,7 @@ def _ambiguous(
         lists = "" if any(e.listed for e in evidence) else " and static replacement"
         said.append(f"Single frames: temporal filters{lists} are not detectable.")
     said += _saturated(evidence)
-    coarse = {e.point.label() for e in evidence if e.noise < 0.75 * e.step}
+    coarse = {e.point.label() for e in evidence if e.noise < FINE * e.step}
     if coarse:
         said.append(
             f"Noise below the quantization step at {'; '.join(sorted(coarse))}: a weak filter is "

@@ -18,6 +18,7 @@ import numpy as np
 from scipy import optimize, stats
 
 from dnanalyze.detection.flatten import centre_and_sd, robust_sd, without_lines, without_tones
+from dnanalyze.significance import CLEAR
 
 LEAST_PIXELS = 200
 LEAST_FRAMES = 6  # for their pairs to say what pixels share
@@ -77,7 +78,7 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
         return None
     mean = stack.mean(axis=0)
     pattern = mean - np.median(mean)
-    ordinary = (np.abs(pattern) < 5 * robust_sd(pattern)) & ~_at_an_end(stack)
+    ordinary = (np.abs(pattern) < CLEAR * robust_sd(pattern)) & ~_at_an_end(stack)
     if ordinary.sum() < LEAST_PIXELS:
         return None
     pattern_here = np.where(ordinary, pattern, np.float32(0))

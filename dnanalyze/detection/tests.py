@@ -19,14 +19,13 @@ from dnanalyze.detection.excess import Excess, StandingOut
 from dnanalyze.detection.replaced import RULES, Replaced
 from dnanalyze.detection.sharpness import tail
 from dnanalyze.digits import minus
+from dnanalyze.significance import SIGN
 
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
-LEAST_THRESHOLD = 2.5  # in units of the noise
 HOTTER = 8.0  # in units of the noise, from which rules of a slope are asked
 HIGHEST_THRESHOLD = 64.0  # in units of the noise
 ASKED_SLOPES = (2.0, 4.0)
 TRIED = 8  # independent bounds, about: the counts of bounds within a factor of 2 overlap
-SHARP = 0.5  # of the least that clusters leave is missing
 LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which no edge is placed there
 LEAST_REPLACED = 8
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
@@ -191,7 +190,7 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
     fit = seen.shown
     if test != "ratio_rule":
         # below, read noise makes the tail; beyond, saturated charge spills over and hides the rest
-        least = HOTTER if slope > 1 else LEAST_THRESHOLD
+        least = HOTTER if slope > 1 else SIGN
         fit = fit & (top.bounds >= least * e.noise) & (top.bounds <= HIGHEST_THRESHOLD * e.noise)
     p = np.where(fit, stats.poisson.cdf(np.floor(seen.left), seen.least), 1.0)
     j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
@@ -199,7 +198,8 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
     times = "" if slope == 1 else f"{slope:g} times "
     return FilterTest(
         test, "dpc", e, min(1.0, float(p[j]) * TRIED),
-        1 - float(seen.left[j] / max(seen.least[j], 1e-9)) if fit[j] else 0.0, SHARP,
+        1 - float(seen.left[j] / max(seen.least[j], 1e-9)) if fit[j] else 0.0,
+        0.5,  # half of the least that clusters leave is missing
         f"{seen.left[j]:.1f} pixels of a frame are {top.bounds[j]:.3g} to "
         f"{2 * top.bounds[j]:.3g} {unit} {times}the largest of their {out.neighbours} neighbours; "
         f"the tail below predicts at least {seen.least[j]:.0f}, even for hot pixels in clusters",

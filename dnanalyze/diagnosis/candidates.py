@@ -28,7 +28,7 @@ from dnanalyze.diagnosis.selection import (
     standings,
 )
 from dnanalyze.fitting.changes import part_for
-from dnanalyze.fitting.derivatives import derive
+from dnanalyze.fitting.derivatives import GROWTH, derive
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise
@@ -48,8 +48,7 @@ STARTS = 3
 # Least share of a strength from one start to the next: farther, the logarithms of the statistics
 # are no straight line. From 27 times their size, column offsets began at 0.08 of it, where the
 # statistics hardly move, and stayed there.
-WEAKER = 1.0 / 8.0
-NEAR = 0.5  # share of a guess: half and twice a strength are forms that are tried (`forms`)
+WEAKER = 1.0 / GROWTH
 
 
 @dataclass(frozen=True)
@@ -279,7 +278,7 @@ def _begun(problem: FitProblem, guess: Guess, like: State) -> State:
     for _ in range(STARTS):
         effect = begun.model.get(guess.effect)
         share = along(like, like.train - begun.train).share
-        if effect is None or share >= NEAR:
+        if effect is None or share >= 0.5:  # half and twice a strength are forms (`forms`)
             break
         weaker = at_factor(effect, max(share, WEAKER))
         if weaker is None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale
+from dnanalyze.comparator.error import SATURATION
 from dnanalyze.comparator.words import listed, misfit, short_labels, side_by_side
 from dnanalyze.diagnosis.results import Candidate
 from dnanalyze.digits import number, unit_text
@@ -15,8 +16,7 @@ from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import built_in
-
-STATED_SINGLY = 3.0  # standard deviations from which a difference is stated by itself
+from dnanalyze.significance import STATED
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Profile:
 def profile(problem: FitProblem, state: State) -> Profile:
     """Misfit by statistic."""
     names = np.concatenate([problem.train.names, problem.test.names])
-    z = np.minimum(np.abs(np.concatenate([state.train, state.test])), 1e4)
+    z = np.minimum(np.abs(np.concatenate([state.train, state.test])), SATURATION)
     unique, inverse = np.unique(names, return_inverse=True)
     size = np.sqrt(np.bincount(inverse, z**2) / np.bincount(inverse))
     return Profile(unique, size)
@@ -55,7 +55,7 @@ def evidence_for(
     told = [
         f"{_sentence(problem, before, name)}; with {effect.name} "
         f"the difference falls from {_size(was, name)} to {_size(now, name)} sigma"
-        for name in [n for n in closer if was.of(n) >= STATED_SINGLY][:most]
+        for name in [n for n in closer if was.of(n) >= STATED][:most]
     ]
     if not told:
         told = [_in_sum(effect.name, was, now, closer[:most])]
@@ -76,7 +76,7 @@ def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
         return f"no statistic comes closer with {effect}"
     parts = [f"{infos()[n].title} (from {_size(was, n)} to {_size(now, n)} sigma)" for n in names]
     return (
-        f"no single statistic that {effect} improves differed by {STATED_SINGLY:g} sigma before; "
+        f"no single statistic that {effect} improves differed by {STATED:g} sigma before; "
         f"several small differences fall, the largest in {', '.join(parts)}"
     )
 
@@ -88,7 +88,7 @@ def evidence_against(
     left, right = profile(problem, rival), profile(problem, best)
     gap = {n: left.of(n) - right.of(n) for n in left.names}
     worst = max(gap, key=lambda n: gap[n])
-    if gap[worst] < STATED_SINGLY:
+    if gap[worst] < STATED:
         return None
     title = infos()[worst].title
     return (
@@ -110,7 +110,7 @@ def _sentence(problem: FitProblem, state: State, name: str) -> str:
         return f"the model shows nothing of it: {info.title}"
     worst = int(np.argmax(np.where(told, np.abs(z), -1.0)))
     # the held-out half may be the one that differs
-    off = np.abs(z) >= min(STATED_SINGLY, abs(z[worst]))
+    off = np.abs(z) >= min(STATED, abs(z[worst]))
     i = here[worst]
     measured, simulated = float(train.values[i]), info.scale.plain(float(model[worst]))
     reproducibility_sd = float(train.reproducibility_sd[i])

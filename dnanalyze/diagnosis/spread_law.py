@@ -26,6 +26,7 @@ from dnanalyze.fitting.state import State, root_weights, with_derivatives_of
 from dnanalyze.model.laws import ArrheniusLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE
+from dnanalyze.significance import RARE
 
 SPREAD = "delta"
 
@@ -43,7 +44,7 @@ def spread_law(null: FittedModel, wanted: float = math.inf) -> Trial | None:
         return None
     same = replace(state, model=larger, free=free_parameters(larger))  # it changes nothing yet
     begun = derive(problem, with_derivatives_of(same, state), only=_is_slope)
-    if score(begun) < chi2.isf(1e-3, 1):
+    if score(begun) < chi2.isf(RARE, 1):
         return None
     ended = minimise(problem, begun, FIT_STEPS, below=wanted)
     if ended.loss <= wanted:

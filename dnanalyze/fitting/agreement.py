@@ -10,20 +10,18 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.analyzers.estimators.arrhenius import arrhenius_laws
-from dnanalyze.fitting.level import ERRORS, NOISE
+from dnanalyze.fitting.level import NOISE
 from dnanalyze.fitting.level_laws import beyond_laws
-from dnanalyze.fitting.moments import CLEAR
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
-from dnanalyze.fitting.ties import GAIN, digital_gain
+from dnanalyze.fitting.ties import GAIN, RECORDED, digital_gain
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.laws import value_at
+from dnanalyze.significance import CLEAR, STATED
 from dnanalyze.thermal import KELVIN
 
-SHARE = 0.1  # of a quantity: a difference within it is none
 ENERGY_EV = 0.03  # of 1 eV, where thermometer readings are good to .2 C over 10 C: sqrt(2) .2 / 10
-SIGNAL_ERRORS = CLEAR  # standard errors from which a dark signal tells its growth
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,7 @@ class Agreement:
     def kept(self) -> bool:
         """Whether the difference is within 3 standard errors, 10 %, or the tolerance."""
         off = abs(self.model - self.direct)
-        return off <= max(ERRORS * self.error, SHARE * abs(self.direct), self.tolerance)
+        return off <= max(STATED * self.error, RECORDED * abs(self.direct), self.tolerance)
 
 
 def agreements(problem: FitProblem, state: State) -> list[Agreement]:
@@ -114,7 +112,7 @@ def _dark_signals(problem: FitProblem, state: State) -> list[Agreement]:
             continue
         signal = seen - black[0]
         error = math.hypot(own, black[1])
-        if signal < -SIGNAL_ERRORS * error:
+        if signal < -CLEAR * error:
             continue  # the black level of these frames is another one
         steady = problem.train.values[
             (problem.train.names == "temporal_noise_core") & (problem.train.setting == s)
@@ -158,7 +156,7 @@ def _energy(signals: Sequence[Agreement]) -> list[Agreement]:
         for a in signals
         if a.point is not None
         and a.point.temperature_c is not None
-        and a.direct > SIGNAL_ERRORS * a.error
+        and a.direct > CLEAR * a.error
         and a.model > 0
     ]
     celsius = np.array([a.point.temperature_c for a in clear if a.point is not None], float)

@@ -30,7 +30,7 @@ from dnanalyze.model.noise_model import NoiseModel
 # and the statistics with them, by some floors however short the step: less would be lost in it.
 SMALLEST, LARGEST = 12.0, 400.0
 SEVERAL = 3  # derivatives beyond which it pays to begin from half of the field
-GROWTH = 8.0  # of a step that shows too little, each time; twice at most
+GROWTH = 8.0  # of a step or an amplitude that shows too little, each time
 
 
 def derive(

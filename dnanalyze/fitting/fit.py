@@ -40,6 +40,7 @@ from dnanalyze.fitting.simulated import room
 from dnanalyze.fitting.start import ordinary_model, paper_models
 from dnanalyze.fitting.state import State, loss, root_weights, start, unseen
 from dnanalyze.fitting.ties import TRANSFER, misfits
+from dnanalyze.fitting.yardstick import REPLICATES as QUICK_REPLICATES
 from dnanalyze.fitting.yardstick import fitted_by_design, misfit_share
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
@@ -55,7 +56,6 @@ if TYPE_CHECKING:
 
 REPLICATES = 24
 WHOLE_CODES = 0.95  # `lattice` of whole codes, 1, less its error
-QUICK_REPLICATES = 8  # whose standard errors are good to a quarter, 1 / sqrt(2 (8 - 1))
 CONFOUNDED_CORRELATION = 0.97  # correlation from which two parameters are called indistinguishable
 DERIVATIVES = 40  # simulations for the last derivatives of few groups; many take 6 each
 STEP_SIZE = 15.0  # wanted size of their steps, in reproducibility SDs: counts move by jumps

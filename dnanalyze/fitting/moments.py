@@ -12,9 +12,10 @@ from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import Law, TableLaw
+from dnanalyze.significance import CLEAR
 from dnanalyze.thermal import KELVIN, activation, over_constant
 
-LINKED, CLEAR = 0.01, 5.0  # least serial correlation; standard errors by which it stands out
+LINKED = 0.01  # least serial correlation
 DARK_EV = np.linspace(0.3, 1.28, 50)  # eV; what grows more slowly looks like a constant
 STILL = 0.1  # share of the temporal variance that is of pixels at least
 REST = 0.02  # share of a moment that is the sensor's at least

@@ -24,6 +24,7 @@ from threadpoolctl import threadpool_limits
 
 from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.executors import answer, submitted
+from dnanalyze.fitting.design import MOST_SETTINGS
 from dnanalyze.fitting.simulated import SHARED_FROM_PIXELS, Job, Part, room, shared
 from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.memo import Memo
@@ -31,8 +32,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.processors import cpu_count
 
-MAX_PROCESSES = 15  # processes that are started; eight operating points have 16 halves
-SHARES = 16  # of the work for an executor of unknown size: all halves of eight operating points
+SHARES = 2 * MOST_SETTINGS  # of the work at most: the halves of all operating points
 ROOMS = 4  # workers of such an executor that are expected on one machine
 WARM = 64, 64  # pixels of what a worker simulates before it is asked
 
@@ -158,7 +158,7 @@ class Processes(Helpers):
 
 def helpers_for(pixels: int) -> Processes:
     """One for each further processor, where simulations of so many pixels are worth its start."""
-    return Processes(min(cpu_count() - 1, MAX_PROCESSES) if pixels >= SHARED_FROM_PIXELS else 0)
+    return Processes(min(cpu_count(), SHARES) - 1 if pixels >= SHARED_FROM_PIXELS else 0)
 
 
 def helpers_of(executor: Executor | None) -> Helpers:

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.fitting.changes import Changes
-from dnanalyze.fitting.derivatives import SMALLEST, placing_of
+from dnanalyze.fitting.derivatives import GROWTH, SMALLEST, placing_of
 from dnanalyze.fitting.free_parameters import (
     FreeParameter,
     grouped,
@@ -27,11 +27,10 @@ from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, root_weights, start
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.significance import LEAST_GAIN
 
-RISE = math.log(8.0)  # of an amplitude that is raised, each time
+RISE = math.log(GROWTH)  # of an amplitude that is raised, each time
 RISES = 6  # to 2.6e5 times
-# Fall of the loss below which a fit is not worth its simulations (see `selection.LEAST_GAIN`)
-LEAST_GAIN = 6.25
 
 
 def restarted(problem: FitProblem, state: State, iterations: int) -> State:

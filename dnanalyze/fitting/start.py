@@ -11,11 +11,10 @@ from scipy.optimize import nnls
 from dnanalyze.fitting.moments import Moments, temperature_knots
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.thermometer import tells_slope
-from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
 from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 from dnanalyze.model.laws import TableLaw, value_at
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import built_in
+from dnanalyze.model.registry import BASE, built_in
 
 # Shot noise has this share of the temporal variance at least, for of none a fit sees no slope; but
 # where there is hardly any charge no share makes a gain of more than that, DN/e-.
@@ -51,7 +50,7 @@ def _paper(m: Moments) -> NoiseModel:
     spread = np.maximum(spread, 0.02)
     square = m.signal**2 * np.exp(spread**2)
     sigma = np.sqrt(np.maximum(m.temporal, 1e-6) / (9.0 * square))
-    base = ConvolvedLognormal(
+    base = built_in()[BASE](  # type: ignore[call-arg]
         mu=_table(m.points, np.log(m.signal) - spread**2 / 2),
         delta=_table(m.points, spread),
         phi=_table(m.points, np.full(len(m.points), 2e-3)),
@@ -95,7 +94,7 @@ def ordinary_model(
     rate = m.signal / np.array([p.exposure_over(reference) or 1.0 for p in m.points])
     mu = np.log(np.maximum(rate, 1e-4)) - delta**2 / 2
     rows = _by_temperature(m.points, mu, lit)
-    base = ConvolvedLognormal(mu=rows, delta=delta, phi=1e-3, sigma=1e-6)
+    base = known[BASE](mu=rows, delta=delta, phi=1e-3, sigma=1e-6)  # type: ignore[call-arg]
     effects = (
         base,
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]

@@ -11,9 +11,9 @@ import numpy as np
 from dnanalyze.fitting.free_parameters import FreeParameter, positions
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.ties import Tie, misfits
+from dnanalyze.fitting.vectors import SCALE
 from dnanalyze.model.noise_model import NoiseModel
 
-SCALE = 6.0  # of the loss, in floors: a difference beyond it counts in proportion, not squared
 # Weight of the square of what a level lies beyond its bound, in bounds. On a real CCD the other
 # statistics gained 2,200 by four bounds of the level: they put it some percent beyond. Where bounds
 # cannot all be kept, half a bound beyond costs 2,500: no more than much else that is wrong there.

@@ -19,12 +19,13 @@ from dnanalyze.fitting.level import NOISE, SIGNAL_SHARE
 from dnanalyze.fitting.level_laws import session_levels
 from dnanalyze.fitting.moments import BlackLevel, black_level
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.vectors import FIT_ERRORS
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.significance import TOLERATED
 
-RECORDED = 0.1  # relative error of a gain that the camera states, or the user
+# Relative error of a gain that the camera states, or the user: no quantity is off by less
+RECORDED = 0.1
 GAIN_TOLERANCE = 0.03  # of a photon transfer: levels of a few pixels within, and nonlinearity
 LEAST_ERROR = 1e-3  # DN, of a level: frames of one code all over state none
 TRANSFER = "photon transfer"
@@ -212,7 +213,7 @@ def _sessions(seen: Readings, level: BlackLevel | None) -> SessionLevels | None:
     medians, errors = seen.value("median"), seen.error("median")
     noise = seen.noise
     signal = np.maximum(medians - np.nanmin(medians), 0.0)
-    off = np.maximum.reduce([FIT_ERRORS * errors, NOISE * noise, SIGNAL_SHARE * signal])
+    off = np.maximum.reduce([TOLERATED * errors, NOISE * noise, SIGNAL_SHARE * signal])
     off = np.maximum(off, LEAST_ERROR)
     if not (np.isfinite(medians).all() and np.isfinite(off).all()):
         return None

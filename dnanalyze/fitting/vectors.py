@@ -18,12 +18,10 @@ from dnanalyze.analyzers.statistics import (
 )
 from dnanalyze.fitting.shading import shading_values
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.significance import CERTAIN, TOLERATED
 
-# Misfit, in reproducibility SDs, of a statistic that the simulation lacks: from here on the loss
-# of a fit is linear in a difference.
-MISSING = 6.0
-# Reproducibility SDs that a level may be off in a fit, see `dnanalyze.fitting.level`
-FIT_ERRORS = 2.0
+SCALE = CERTAIN  # of the loss: a difference beyond it counts in proportion, not squared
+MISSING = SCALE  # misfit of a statistic that the simulation lacks
 Place = tuple[int, str]  # number of the operating point, colour plane
 
 
@@ -115,7 +113,7 @@ class Target:
         """
         if self.allowed is None:
             return None
-        errors = FIT_ERRORS / max(overdispersion, 1.0) ** 0.5
+        errors = TOLERATED / max(overdispersion, 1.0) ** 0.5
         return np.where(
             np.isinf(self.allowed),
             np.inf,
@@ -197,7 +195,8 @@ def target(statistics: list[Statistics], part: int) -> Target:
         if np.isfinite(c := info.scale.coordinate(value)) and np.isfinite(se) and se > 0
     ]
     keys, *columns = zip(*rows, strict=True) if rows else [()] * 5
-    return Target(tuple(keys), *map(np.array, columns))
+    values, coordinates, stated, families = map(np.array, columns)
+    return Target(tuple(keys), values, coordinates, stated, families)
 
 
 def places(statistics: Statistics) -> list[Place]:

@@ -16,11 +16,12 @@ from scipy.stats import norm
 from dnanalyze.analyzers.field_profile import BLOCK, FieldProfile, field_profile
 from dnanalyze.fitting.design import Design
 from dnanalyze.fitting.level import NOISE
-from dnanalyze.fitting.placement import CHANCE, FRAMES
+from dnanalyze.fitting.placement import FRAMES
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 from dnanalyze.robust import robust_deviation
+from dnanalyze.significance import UNLIKELY
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,7 @@ def departures(plan: Design, model: NoiseModel) -> list[Departure]:
     worst: dict[str, Departure] = {}
     tests = 3 * len(plan.captures.settings)
     for off, point in _differences(plan, model):
-        for found in _beyond(off, plan.window, point, plan.period, CHANCE / tests):
+        for found in _beyond(off, plan.window, point, plan.period, UNLIKELY / tests):
             if found.kind not in worst or found.sigma > worst[found.kind].sigma:
                 worst[found.kind] = found
     return sorted(worst.values(), key=lambda d: -d.sigma)

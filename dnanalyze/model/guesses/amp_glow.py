@@ -9,7 +9,8 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.amp_glow import PLACES, AmpGlow, glow
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import SIGN, curve
+from dnanalyze.model.guesses.evidence import curve
+from dnanalyze.significance import SIGN
 
 LENGTHS = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 1.2)
 

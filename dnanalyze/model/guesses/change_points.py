@@ -8,17 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from dnanalyze.robust import MAD
+from dnanalyze.significance import CERTAIN
 
 DEGREE = 3  # of the smooth trend beside the strips
 MAX_EDGES = 15  # edges: the 16 outputs of the widest readout in the catalogue
 NARROWEST = 8  # lines: from which a level is told from a defect of a few lines
 _FEWEST = 4 * NARROWEST  # lines
 _WITHOUT_GAIN = 3  # edges in a row that the criterion does not want: the search ends
-_OUTLIER = 6.0  # robust standard deviations; 2e-9 of Gaussian lines
 _BESIDE = 64  # lines at either side, at most, by which an edge is seen where it is
 _BEYOND = 1.5  # standard deviations: e^(-1.5 sqrt(2 ln n)), 1 % of profiles of 300 lines
 _LENGTHS = 8  # lengths of a settling that are tried, from half a line to half a strip
-_TINY = 1e-12  # of the variance: rounding
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,7 @@ def strips(profile: np.ndarray) -> Strips | None:
         return None
     level = _without_outliers(np.asarray(profile, float))
     level = level - level.mean()
-    floor = _TINY * float(level @ level) + 1e-30
+    floor = 1e-12 * float(level @ level) + 1e-30  # rounding
     trend = np.polynomial.legendre.legvander(np.linspace(-1, 1, n), DEGREE)
     found = [_fit(level, trend, ())]
     alone, best = found[0], 0
@@ -108,7 +107,7 @@ def _without_outliers(profile: np.ndarray) -> np.ndarray:
     middle = np.median(np.lib.stride_tricks.sliding_window_view(wide, 5), axis=1)
     apart = np.abs(profile - middle)
     sigma = MAD * float(np.median(apart))
-    return np.where(apart > _OUTLIER * sigma, middle, profile) if sigma > 0 else profile
+    return np.where(apart > CERTAIN * sigma, middle, profile) if sigma > 0 else profile
 
 
 def _shapes(

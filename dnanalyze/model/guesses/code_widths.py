@@ -10,8 +10,9 @@ import numpy as np
 
 LEAST, MOST = 2, 14  # degree of the logarithm of a density: a Gaussian's, and a skewed tail's
 CODES = 16, 8, 5, 3  # of a histogram for each degree, as they are tried
-ROUGH = 0.02  # relative error of a density's polynomial: more counts do not make it truer
-CORE = 0.02  # of the largest count: codes that occur often enough
+# Relative error of a density's polynomial: more counts do not make it truer, and codes that occur
+# less often than by its error at the top tell nothing
+ROUGH = 0.02
 WIDEST = 256  # codes about the most frequent: four of the longest periods
 MOVES = 0.3  # DN, rms that edges are out of place by before anything is seen
 THIN = 1e-3  # DN, of a code that never occurs
@@ -114,7 +115,7 @@ def _stacked(histograms: Sequence[tuple[np.ndarray, np.ndarray]]) -> _Histograms
 
 def _core(codes: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """All codes, those that never occur too, from the first common one to the last."""
-    common = codes[counts > CORE * counts.max()].astype(int)
+    common = codes[counts > ROUGH * counts.max()].astype(int)
     most = int(codes[np.argmax(counts)])
     first = max(int(common[0]), most - WIDEST // 2)
     last = min(int(common[-1]), most + WIDEST // 2)

@@ -10,9 +10,10 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.counted_steps import counted_steps
-from dnanalyze.model.guesses.evidence import SIGN, histogram, shows
+from dnanalyze.model.guesses.evidence import histogram, shows
 from dnanalyze.model.guesses.hot_counts import USUAL
 from dnanalyze.model.guesses.single_peak import single_peak
+from dnanalyze.significance import SIGN
 
 METALS = 0.35  # activation energy of molybdenum and tungsten, eV
 QUANTILES = tuple(f"pattern_q{p}" for p in (0.001, 0.01, 0.1, 0.25, 0.75, 0.9, 0.99, 0.999))

@@ -13,8 +13,9 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_gradient import DarkGradient
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import over_signal, shows, straight
-from dnanalyze.model.guesses.surfaces import LEAST_TERM, over_frame, shading, surfaces
+from dnanalyze.model.guesses.surfaces import over_frame, shading, surfaces
 from dnanalyze.model.surface import TERMS
+from dnanalyze.significance import NOTICEABLE
 
 SHORT = 0.1  # share of the longest exposure up to which a ramp is not that of the dark current
 LEAST_SLOPE = 8.0  # standard errors of a slope
@@ -43,7 +44,7 @@ def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
         return []
     height, ea = fitted
     best = int(np.nanargmax(np.where(np.isfinite(size), (seen**2).sum(0), -1)))
-    told = np.abs(raw[best]) >= min(LEAST_TERM * errors[best], np.abs(raw[best]).max())
+    told = np.abs(raw[best]) >= min(NOTICEABLE * errors[best], np.abs(raw[best]).max())
     terms = over_frame(told * fits[best] / size[best] * height, clues)
     values = dict(zip(TERMS, terms, strict=True))
     inside: dict[str, Any] = clip(effect, **values, ea_ev=ea)

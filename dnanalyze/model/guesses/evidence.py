@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dnanalyze.model.fingerprints import LINE_BANDS, edges, named
+from dnanalyze.significance import SIGN
 
 if TYPE_CHECKING:
     from dnanalyze.model.clues import Clues
-
-SIGN = 2.5
-"""A statistic this many standard deviations off, in any setting, is a sign worth a guess."""
 
 FLICKERS = 0.3
 """Temporal noise, DN, from which codes change often enough to tell it."""

@@ -12,6 +12,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.offset_drift import OffsetDrift
 from dnanalyze.model.guesses.evidence import curve, over_signal, shows, typical_positive
+from dnanalyze.significance import NOTICEABLE
 
 
 def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
@@ -84,7 +85,7 @@ def _share(clues: Clues, means: Sequence[np.ndarray | None]) -> float | None:
     slope = float(x @ jump / (x @ x))
     rest = jump - slope * x
     error = math.sqrt(float(rest @ rest) / (x.size - 1) / float(x @ x))
-    return slope if abs(slope) > 4.0 * error else None
+    return slope if abs(slope) > NOTICEABLE * error else None
 
 
 def _jump(means: np.ndarray) -> float:

@@ -9,8 +9,8 @@ import numpy as np
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.guesses.evidence import histogram, shows
 from dnanalyze.robust import QUARTILES
+from dnanalyze.significance import CLEAR
 
-HOT_DEVIATIONS = 5.0  # robust standard deviations of the pattern from which a pixel counts as hot
 FEWEST = 20  # hot pixels that show how they are spread
 NARROW = 0.4  # quartile distance over median; 1.6 where amplitudes are exponential
 
@@ -51,7 +51,7 @@ def single_peak(clues: Clues) -> Peak | None:
         x, n = seen
         summed = np.cumsum(n)
         x = x - np.interp(0.5 * summed[-1], summed, x)
-        hot = x > HOT_DEVIATIONS * sigma[setting]
+        hot = x > CLEAR * sigma[setting]
         count = np.cumsum(n[hot])
         if not hot.any() or count[-1] < FEWEST:
             continue
