@@ -303,7 +303,7 @@ def _candidate(
     return Candidate(
         found.effect,
         found.error,
-        _explained(null.error, found.error),
+        _share(null.error, null.error - found.error),
         confidence_of(found, tried),
         competitors(found, tried),
         [*why, found.denied] if found.denied else why,
@@ -354,7 +354,7 @@ def _leader(
 
 def _ends_at(found: Candidate, null: FittedModel, after: FittedModel) -> Candidate:
     """The candidate with the model error of the model with it, by that model's own yardstick."""
-    explained = _explained(null.error, after.error)
+    explained = _share(null.error, null.error - after.error)
     return replace(found, error_after=after.error, explained=explained)
 
 
@@ -420,10 +420,6 @@ def _with_baseline_listed(
 
 def _by_confidence(candidates: Iterable[Candidate]) -> list[Candidate]:
     return sorted(candidates, key=lambda c: -c.confidence)
-
-
-def _explained(before: float, after: float) -> float:
-    return _share(before, before - after)
 
 
 def _share(error: float, fall: float) -> float:

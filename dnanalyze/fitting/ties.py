@@ -144,7 +144,7 @@ class Direct:
             Tie(
                 at,
                 parameter.position(g.value / times),
-                g.error / g.value if parameter.log else g.error,
+                g.error / (g.value if parameter.log else 1.0),
             )
             for g in self.gains_of(model)
         ]
@@ -158,19 +158,12 @@ class Direct:
                 return []
             shift = model.black_shift(model.reference, shape)
             return [Tie(at, level.mean - shift, level.error)]
-        point = law.points[int(parameter.part)]
-        found = self._black_and_error(point)
-        if found is None:
-            return []
-        return [Tie(at, found[0] - model.black_shift(point, shape), found[1])]
-
-    def _black_and_error(self, point: OperatingPoint) -> tuple[float, float] | None:
-        """Black level of a row and its standard error, DN; None where there is none of it."""
-        rows = self.sessions or self.level
+        point, rows = law.points[int(parameter.part)], self.sessions or self.level
         if rows is None or point not in rows.law.points:
-            return None
+            return []
         row = rows.law.points.index(point)
-        return rows.law.values[row], float(rows.errors[row])
+        black = rows.law.values[row] - model.black_shift(point, shape)
+        return [Tie(at, black, float(rows.errors[row]))]
 
 
 def digital_gain(model: NoiseModel) -> float:

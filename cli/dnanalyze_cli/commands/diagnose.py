@@ -55,8 +55,8 @@ def diagnose(
 
     def page() -> Page:
         from dnanalyze.comparator.compare import compare_on
-        from dnanalyze.comparator.rivals import of_diagnosis
         from dnanalyze.report.results import diagnosis as report
+        from dnanalyze.report.rivals import of_diagnosis
 
         with session.progress("Comparing the model with the captures"):
             comparison = compare_on(found, diagnosis.model, problem=problem)

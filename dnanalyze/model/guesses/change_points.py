@@ -45,6 +45,7 @@ class Strips:
 @dataclass(frozen=True)
 class _Fit:
     edges: tuple[int, ...]
+    left: np.ndarray
     squares: float
     steps: np.ndarray
     settling: tuple[float, float, str] | None = None
@@ -82,7 +83,7 @@ def strips(profile: np.ndarray) -> Strips | None:
         if len(edges) < len(found):
             break
         found.append(_fit(level, trend, edges))
-        told = n / _alike(level - _curve(trend, found[-1], level))
+        told = n / _alike(found[-1].left)
         costs = [_cost(f, told, n, floor) for f in found]
         best = int(np.argmin(costs))
         if len(found) - 1 - best >= _WITHOUT_GAIN:
@@ -140,11 +141,10 @@ def _tails(n: int, edges: tuple[int, ...], length: float) -> tuple[np.ndarray, n
     return after, before
 
 
-def _solved(terms: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, float]:
-    """Least squares: weights of the terms, and the sum of squares left."""
+def _solved(terms: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least squares: weights of the terms, and what they leave."""
     weights = np.linalg.lstsq(terms.T @ terms, terms.T @ level, rcond=None)[0]
-    left = level - terms @ weights
-    return weights, float(left @ left)
+    return weights, level - terms @ weights
 
 
 def _fit(
@@ -154,13 +154,8 @@ def _fit(
     settling: tuple[float, float, str] | None = None,
 ) -> _Fit:
     terms = np.hstack([trend, _shapes(level.size, edges, settling)])
-    weights, squares = _solved(terms, level)
-    return _Fit(edges, squares, weights[trend.shape[1] :], settling)
-
-
-def _curve(trend: np.ndarray, fit: _Fit, level: np.ndarray) -> np.ndarray:
-    terms = np.hstack([trend, _shapes(level.size, fit.edges, fit.settling)])
-    return np.asarray(terms @ _solved(terms, level)[0])
+    weights, left = _solved(terms, level)
+    return _Fit(edges, left, float(left @ left), weights[trend.shape[1] :], settling)
 
 
 def _gains(level: np.ndarray, trend: np.ndarray, edges: tuple[int, ...]) -> np.ndarray:
@@ -250,7 +245,6 @@ def _seen(level: np.ndarray, trend: np.ndarray, fit: _Fit) -> _Fit:
     """
     n = level.size
     while fit.edges:
-        left = level - _curve(trend, fit, level)
         units = _shapes(n, fit.edges, fit.settling)
         bounds = (0, *fit.edges, n)
         worst, least = -1, math.sqrt(2.0 * math.log(n)) + _BEYOND
@@ -258,9 +252,9 @@ def _seen(level: np.ndarray, trend: np.ndarray, fit: _Fit) -> _Fit:
             near = min(edge - bounds[k], bounds[k + 2] - edge)
             reach = min(max(near // 2, NARROWEST // 2), _BESIDE)
             kernel = _step_beside_slope(reach)
-            anywhere = np.correlate(left, kernel, mode="valid")
+            anywhere = np.correlate(fit.left, kernel, mode="valid")
             spread = max(MAD * float(np.median(np.abs(anywhere))), 1e-15)
-            own = left + fit.steps[k] * units[:, k]
+            own = fit.left + fit.steps[k] * units[:, k]
             seen = abs(float(kernel @ own[edge - reach : edge + reach])) / spread
             if seen < least:
                 worst, least = k, seen
@@ -282,7 +276,8 @@ def _beats_a_curve(level: np.ndarray, fit: _Fit, alone: _Fit) -> bool:
     """Whether strips leave less than a polynomial of as many numbers: place and height each."""
     degree = DEGREE + 2 * len(fit.edges) + (2 if fit.settling else 0)
     curve = np.polynomial.legendre.legvander(np.linspace(-1, 1, level.size), degree)
-    return fit.squares < min(_solved(curve, level)[1], alone.squares)
+    left = _solved(curve, level)[1]
+    return fit.squares < min(float(left @ left), alone.squares)
 
 
 def equal_strips(found: Strips, n: int, counts: tuple[int, ...]) -> int | None:

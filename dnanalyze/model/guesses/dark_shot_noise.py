@@ -23,9 +23,7 @@ def guess(effect: type[DarkShotNoise], clues: Clues) -> list[Effect]:
 
 
 def _slope_of_settings(clues: Clues) -> float | None:
-    gain = hints.gains(clues)
-    mean = np.asarray(clues.measured("mean"), float) / gain
-    variance = (np.asarray(clues.measured("temporal_noise"), float) / gain) ** 2
+    mean, variance = hints.photon_transfer(clues)
     good = np.isfinite(mean) & np.isfinite(variance)
     if good.sum() < 2 or np.ptp(mean[good]) <= 0:
         return None

@@ -29,10 +29,8 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
     """
     if not shows(clues, effect.fingerprint, 0):
         return []
-    gain = hints.gains(clues)
-    mean = np.asarray(clues.measured("mean"), float) / gain
-    variance = (np.asarray(clues.measured("temporal_noise"), float) / gain) ** 2
-    third = np.array([third_cumulant(clues, j) for j in range(mean.size)]) / gain**3
+    mean, variance = hints.photon_transfer(clues)
+    third = np.array([third_cumulant(clues, j) for j in range(mean.size)]) / hints.gains(clues) ** 3
     good = np.isfinite(mean) & np.isfinite(third) & (variance > 0)
     if good.sum() < 2 or np.ptp(mean[good]) <= 0:
         return []

@@ -43,6 +43,12 @@ def gains(clues: Clues) -> np.ndarray:
     return np.array([p.gain_over(clues.reference) for p in clues.points])
 
 
+def photon_transfer(clues: Clues) -> tuple[np.ndarray, np.ndarray]:
+    """Mean level and temporal variance at the reference gain, DN and DN^2, one a setting."""
+    mean = np.asarray(clues.measured("mean"), float) / gains(clues)
+    return mean, (np.asarray(clues.measured("temporal_noise"), float) / gains(clues)) ** 2
+
+
 def thermal_growth(clues: Clues, ea_ev: np.ndarray) -> np.ndarray:
     """Growth from the reference temperature by Arrhenius, (energies, settings); 1 where unknown."""
     origin = clues.reference.temperature_c
