@@ -167,7 +167,7 @@ def compare_on(
 
 
 def error_of(problem: FitProblem, made: list[Statistics]) -> float:
-    """Error of simulated statistics on the judged half."""
+    """Error of simulated statistics on the held-out half."""
     return pooled(problem.test.z(prediction(made, 1, problem.test)), problem.test.families)
 
 
@@ -177,7 +177,7 @@ def table(problem: FitProblem, made: list[Statistics]) -> list[dict[str, Any]]:
 
 
 def rows_of(problem: FitProblem, simulated: np.ndarray) -> list[dict[str, Any]]:
-    """The rows of `table` from the coordinates predicted for the judged half."""
+    """The rows of `table` from the coordinates predicted for the held-out half."""
     known = infos()
     target = problem.test
     z = target.z(simulated)

@@ -22,16 +22,16 @@ AT_ONCE = 0.05  # frames, the time constant of what draws anew in every frame
 
 def standing_spot(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> list[Estimate]:
     """A spot in its place that is there in some frames and not in others, or changes its height."""
-    told = standing(seen, coarse, noise)
-    if told is None:
+    fitted = standing(seen, coarse, noise)
+    if fitted is None:
         return []
-    series = list(zip(told.heights, told.chance, strict=True))
-    sizes, gain = random_sizes(told.heights, told.chance)
+    series = list(zip(fitted.heights, fitted.chance, strict=True))
+    sizes, gain = random_sizes(fitted.heights, fitted.chance)
     count = sum(c.size for c in coarse)
     price = (4.0 + len(series)) * math.log(count)
     words: dict[str, object] = {
-        "where": "blob", "centre_y": told.centre[0], "centre_x": told.centre[1],
-        "radius": min(max(told.radius, 0.3), 1e6),
+        "where": "blob", "centre_y": fitted.centre[0], "centre_x": fitted.centre[1],
+        "radius": min(max(fitted.radius, 0.3), 1e6),
     }  # fmt: skip
     within = sum(float(np.sum((g - g.mean()) ** 2))
                  for s, _ in series for g in (s[s > 0], s[s <= 0]) if g.size)  # fmt: skip
@@ -54,10 +54,10 @@ def standing_spot(seen: Layers, coarse: list[np.ndarray], noise: list[float]) ->
         tau = -1.0 / math.log(rho) if rho > 2.0 / math.sqrt(max(steps, 1)) and rho < 1 else AT_ONCE
         effect = CompositeEffect(when="switching", distribution="on_off", tau=tau, **words)  # type: ignore[arg-type]
         return [
-            Estimate(effect, told.errors, gain, price, Sizes(np.array(values), np.array(errors)))
+            Estimate(effect, fitted.errors, gain, price, Sizes(np.array(values), np.array(errors)))
         ]
     effect = CompositeEffect(when="persisting", tau=AT_ONCE, **words)  # type: ignore[arg-type]
-    return [Estimate(effect, told.errors, gain, price, sizes)]
+    return [Estimate(effect, fitted.errors, gain, price, sizes)]
 
 
 def row_before(seen: Layers) -> list[Estimate]:

@@ -19,7 +19,7 @@ from dnanalyze.description.nearest import Nearest, as_good, nearest
 from dnanalyze.description.search import by_chance, searched
 from dnanalyze.description.words import sentence
 from dnanalyze.diagnosis.explain import evidence_for
-from dnanalyze.diagnosis.gains import judged
+from dnanalyze.diagnosis.gains import trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.selection import STANDS_IN, Trial, confidence_of
 from dnanalyze.diagnosis.stepwise import reduced, supported
@@ -243,12 +243,14 @@ def describe_on(
         return found
     on_progress("training a classifier")
     final = found.model
-    told = classify_on(captures, final, seed=final.seed, limit=limit, helpers=problem.helpers)
-    found = replace(found, classification=told)
+    classification = classify_on(
+        captures, final, seed=final.seed, limit=limit, helpers=problem.helpers
+    )
+    found = replace(found, classification=classification)
     if found.effect is not None:
-        return replace(found, after="unexplained") if told.tells else found
+        return replace(found, after="unexplained") if classification.tells else found
     if (
-        told.tells
+        classification.tells
         or not FittedModel.of(problem, state).adequate
         or departures(problem.plan, state.model)
     ):
@@ -306,14 +308,14 @@ def _judged(
             larger = state.model.with_effect(one.effect)
             begun = start(limited, larger, free_parameters(larger), like=state)
             ended = minimise(limited, begun, REFIT_STEPS)
-            tried.append((one, judged(null, CompositeEffect.name, ended)))
+            tried.append((one, trial_of(null, CompositeEffect.name, ended)))
     except TimeUp:
         finished = False
     if not tried:
-        told = _without(
+        without = _without(
             captures, problem, state, "possible", sentence(found[0], seen, state.model.reference)
         )
-        return replace(told, effect=found[0].effect, look=look(found[0], seen), finished=False)
+        return replace(without, effect=found[0].effect, look=look(found[0], seen), finished=False)
     best, trial = max(tried, key=lambda pair: pair[1].evidence)
     certain = supported(null, [trial]) is not None
     sure = confidence_of(trial, [trial])

@@ -203,8 +203,8 @@ def with_law(
                 laws[-1][2]["ea_ev"] = float(spread[1])
     if not laws:
         return replace(found, explained=0.0)
-    _, effect, told = min(laws, key=lambda x: x[0])
-    return replace(found, effect=effect, errors=told)
+    _, effect, law_errors = min(laws, key=lambda x: x[0])
+    return replace(found, effect=effect, errors=law_errors)
 
 
 def grown(points: Sequence[OperatingPoint], reference: OperatingPoint, ea_ev: float) -> np.ndarray:

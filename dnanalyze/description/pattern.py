@@ -303,7 +303,7 @@ def halves(captures: CaptureSet) -> list[Halves]:
 
 
 def _other(captures: CaptureSet, model: NoiseModel, replicate: int) -> CaptureSet:
-    """Another sensor of the model's make, of the same layout."""
+    """Another sensor of the same design and layout."""
     layout = [(s.point, len(s.frames)) for s in captures.settings]
     other = replace(model, seed=model.seed + 1 + replicate)
     return simulate(other.in_codes, captures.sensor.shape, layout, sensor=captures.sensor)
@@ -414,9 +414,9 @@ def _predicted(
     growth = _growth(effect.law, effect.ea_ev, points, reference)
     explained = whole = 0.0
     for g, odd, even in zip(growth, unseen, seen, strict=True):
-        told = g * effect.map.array
+        predicted = g * effect.map.array
         noise = max(float(np.var(odd - even)), 1e-12)
-        explained += float(np.mean(2.0 * odd * told - told**2)) / noise
+        explained += float(np.mean(2.0 * odd * predicted - predicted**2)) / noise
         whole += max(float(np.mean(odd * even)), 0.0) / noise
     return explained / whole if whole > 0 else float("nan")
 
@@ -427,6 +427,6 @@ def _unseen_error(captures: CaptureSet, model: NoiseModel, even: PatternMap) -> 
         return float("nan"), float("nan")
     odd = tuple(replace(s, frames=s.frames[1::2]) for s in captures.settings)
     problem = fit_problem(design(replace(captures, settings=odd)))
-    found = [problem.judged_z(m) for m in (model, model.with_effect(even))]
+    found = [problem.held_out_z(m) for m in (model, model.with_effect(even))]
     before, after = (pooled(z, problem.test.families) for z in found)
     return before, after

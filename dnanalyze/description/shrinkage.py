@@ -103,8 +103,8 @@ def shrinkage(
     with np.errstate(divide="ignore", invalid="ignore"):
         kept = 1.0 - (n - 2.0) / n * chance / seen
     error = chance * np.sqrt((1.0 + 1.0 / replicates) / np.maximum(modes, 1))
-    told = (modes >= SMALLEST) & (seen - chance > POWER_ERRORS * error)
-    kept = np.where(told, np.clip(kept, 0.0, 1.0), 0.0)
+    significant = (modes >= SMALLEST) & (seen - chance > POWER_ERRORS * error)
+    kept = np.where(significant, np.clip(kept, 0.0, 1.0), 0.0)
     kept[0] = 0.0
     return kept
 

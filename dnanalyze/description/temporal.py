@@ -97,8 +97,8 @@ def _parts(seen: Layers, blocks: list[np.ndarray], noise: list[float]) -> list[E
         unit = math.sqrt(len(names) + 1)
         chance = [n / GRID**2 for n in noise]
         sizes, gain = random_sizes(series, chance, unit)
-        told = _distribution(series, sizes, chance, unit) if len(names) == 1 else "normal"
-        effect = CompositeEffect(when="frame", distribution=told, **words)
+        distribution = _distribution(series, sizes, chance, unit) if len(names) == 1 else "normal"
+        effect = CompositeEffect(when="frame", distribution=distribution, **words)
         count = sum(s.size for s in series)
         found.append(Estimate(effect, {}, gain, (1 + len(series)) * math.log(count * GRID), sizes))
     return found

@@ -108,11 +108,11 @@ def _peak(map_: np.ndarray, padded: int = 1) -> tuple[float, float, float]:
 
 def _exact(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """Frequencies of 0 and 1/2 where they lie within a third of a mode of these."""
-    told = []
+    exact = []
     for value, lines in zip(values, shape, strict=True):
         near = min((0.0, 0.5, -0.5), key=lambda x: abs(x - value))
-        told.append(abs(near) if abs(near - value) * lines < 1 / 3 else value)
-    return np.array(told)
+        exact.append(abs(near) if abs(near - value) * lines < 1 / 3 else value)
+    return np.array(exact)
 
 
 def _centre(seen: Layers, map_: np.ndarray) -> np.ndarray | None:
@@ -168,13 +168,13 @@ def _estimate(
     if where == "wave" and all(abs(x) in (0.0, 0.5) for x in values):
         phase = math.pi / 4.0 if size[0] > 0 else 3.0 * math.pi / 4.0  # values of -1 and 1
     ramps = {name: _ramp(name, seen) for name in ENVELOPES}
-    best, told, pattern = -1.0, "flat", np.zeros(layer.map.shape)
+    best, envelope, pattern = -1.0, "flat", np.zeros(layer.map.shape)
     for name in ENVELOPES if what == "level" else ("flat",):
         shape = math.sqrt(2.0) * np.cos(angle + phase) * ramps[name]
         gain = float(np.sum(layer.map * shape)) ** 2 / float(np.sum(shape**2))
         if gain > best:
-            best, told, pattern = gain, name, shape
-    given: dict[str, Any] = {"phase": phase, "envelope": told, "what": what, "where": where}
+            best, envelope, pattern = gain, name, shape
+    given: dict[str, Any] = {"phase": phase, "envelope": envelope, "what": what, "where": where}
     names = ("v", "u") if where == "wave" else ("centre_y", "centre_x", "period")
     if where == "rings" and values[2] < 2.0:
         best = 0.0

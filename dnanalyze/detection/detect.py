@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.analyzers.estimators.saturation import saturation
-from dnanalyze.detection import kept
+from dnanalyze.detection import evidence_cache
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import SATURATED, VIEWS, ViewEvidence, gather, listed
 from dnanalyze.detection.reasons import reason
@@ -63,14 +63,14 @@ def detect(
     >>> dnanalyze.detect(captures).filtered
     False
     """
-    entry = kept.held(captures)
-    evidence = kept.get(entry) if entry else None
+    entry = evidence_cache.entry_of(captures)
+    evidence = evidence_cache.read(entry) if entry else None
     if evidence is None:
         evidence = _with_lists(
             _same_well(_gather(groups(captures), progress, executor)), across(captures)
         )
         if entry:
-            kept.put(entry, evidence)
+            evidence_cache.write(entry, evidence)
     answers = ask(evidence, alpha)
     kind, flags = decide(answers)
     filter_estimate = estimate(kind, flags, evidence) if flags else None

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.classifier_tests import told_apart
+from dnanalyze.diagnosis.classifier_tests import without_distinguished
 from dnanalyze.diagnosis.filter_tests import DENIED, FILTERS, denied, without_denied
 from dnanalyze.diagnosis.forms import in_best_form
-from dnanalyze.diagnosis.gains import judged, judged_by_prediction
+from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
 from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.score_test import Guess, along, much_left, score_tests
@@ -90,7 +90,7 @@ def trials(
         t for t in _at_their_optima(null, found, promises) if shown(null.problem, t.state, t.effect)
     ]
     tested = by_standing([_tested(null.problem, t, made) for t in made])
-    return by_standing(told_apart(null.problem, tested))
+    return by_standing(without_distinguished(null.problem, tested))
 
 
 def refitted_once(
@@ -138,7 +138,7 @@ def _refits(
         gained = null.state.loss - ended.loss
         reach = max(reach, gained / own[0].promise)
         wanted = min(wanted, null.state.loss - COMPETING_SHARE * gained)
-        found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
+        found.append(replace(trial_of(null, name, ended), others=_of_other_kinds(own)))
         on_trial(SoFar(list(guesses), list(found)))
     return found
 
@@ -192,7 +192,7 @@ def _at_their_optima(
     """The leader and its contenders at their optima, where the choice is open.
 
     Contenders are in their best forms, and take the derivatives of what they share from the leader.
-    All of these are judged by what sensors of their design show.
+    All of these are compared by what sensors of their design show.
     """
     if not found:
         return found
@@ -209,9 +209,9 @@ def _at_their_optima(
             begun = best = like if t is leader else with_derivatives_of(t.state, like)
             if len(near) > 1:
                 best = in_best_form(null.problem, replace(t, state=begun))
-            ended = judged(null, t.effect, minimise(null.problem, best, FIT_STEPS))
+            ended = trial_of(null, t.effect, minimise(null.problem, best, FIT_STEPS))
             formed = len(near) > 1 and best is begun
-            t = judged_by_prediction(null, replace(ended, others=t.others, formed=formed))
+            t = trial_by_prediction(null, replace(ended, others=t.others, formed=formed))
         made.append(t)
     return made
 
@@ -238,7 +238,7 @@ def refitted_beside(here: FittedModel, tried: Sequence[Trial]) -> list[Trial]:
     """
     least = here.state.loss - EVIDENCE_DECISIVE
     made = [
-        judged(here, t.effect, _refitted_in(here.problem, here.state, t, least))
+        trial_of(here, t.effect, _refitted_in(here.problem, here.state, t, least))
         for t in tried
         if t.effect not in FILTERS and here.state.model.get(t.effect) is None
     ]

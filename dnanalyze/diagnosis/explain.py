@@ -52,18 +52,18 @@ def evidence_for(
             relief[name] *= 1.5
     closer = [n for n in relief if relief[n] > 0 and _size(was, n) != _size(now, n)]
     closer.sort(key=lambda n: -relief[n])
-    told = [
+    sentences = [
         f"{_sentence(problem, before, name)}; with {effect.name} "
         f"the difference falls from {_size(was, name)} to {_size(now, name)} sigma"
         for name in [n for n in closer if was.of(n) >= STATED][:most]
     ]
-    if not told:
-        told = [_in_sum(effect.name, was, now, closer[:most])]
+    if not sentences:
+        sentences = [_in_sum(effect.name, was, now, closer[:most])]
     character = {
         "fixed": "it is the same in every frame: a nonuniformity of the pixels or of the readout",
         "temporal": "it differs from frame to frame: temporal noise, not a nonuniformity",
     }.get(effect.varies)
-    return [*told, character] if character else told
+    return [*sentences, character] if character else sentences
 
 
 def _size(of: Profile, name: str) -> str:
@@ -105,10 +105,10 @@ def _sentence(problem: FitProblem, state: State, name: str) -> str:
     if not here.size:
         return info.title
     z, model = state.train[here], train.predicted(state.train)[here]
-    told = np.isfinite(model)
-    if not told.any():
+    finite = np.isfinite(model)
+    if not finite.any():
         return f"the model shows nothing of it: {info.title}"
-    worst = int(np.argmax(np.where(told, np.abs(z), -1.0)))
+    worst = int(np.argmax(np.where(finite, np.abs(z), -1.0)))
     # the held-out half may be the one that differs
     off = np.abs(z) >= min(STATED, abs(z[worst]))
     i = here[worst]

@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from dnanalyze.classifier.classify import classify_on
 from dnanalyze.diagnosis.diagnose import first_answer, judge
 from dnanalyze.diagnosis.explain import evidence_for
-from dnanalyze.diagnosis.gains import judged, judged_by_prediction
+from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Refinement, Step
 from dnanalyze.diagnosis.score_test import score_tests
@@ -154,11 +154,13 @@ def refine_on(
     )
     if found.verdict == "unexplained" and search.near_enough(path):
         found = replace(found, verdict="missing")  # nothing was asked of what is left
-    told = None
+    classification = None
     if classifier and not limit.over:
         final = path.state.model
-        told = classify_on(captures, final, seed=final.seed, limit=limit, helpers=problem.helpers)
-        if told.tells and found.verdict == "adequate":
+        classification = classify_on(
+            captures, final, seed=final.seed, limit=limit, helpers=problem.helpers
+        )
+        if classification.tells and found.verdict == "adequate":
             found = replace(found, verdict="unexplained")
     steps = list(path.steps)
     if found.verdict == "unexplained":  # what stays unexplained, an effect may stand in for
@@ -172,7 +174,7 @@ def refine_on(
         verdict=found.verdict,
         diagnosis=found,
         timed_out=limit.over,
-        classification=told,
+        classification=classification,
     )
 
 
@@ -281,7 +283,7 @@ def add_on(
     seen = score_tests(null.problem, null.state, {name: kind})
     larger = seen[0].model if seen else model.with_effect(kind())
     begun = start(null.problem, larger, free_parameters(larger), like=null.state)
-    after = judged_by_prediction(null, judged(null, name, converge(null.problem, begun)))
+    after = trial_by_prediction(null, trial_of(null, name, converge(null.problem, begun)))
     ended = FittedModel.of(null.problem, after.state)
     yes = supported(null, [after]) is not None
     sure = confidence_of(after, [after]) * (1.0 if yes else STANDS_IN)

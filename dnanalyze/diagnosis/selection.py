@@ -56,8 +56,8 @@ class Trial:
         Model error on the held-out half.
     error_fall : float
         By how much that is lower, by the same predictions as the gains, in units of the scatter.
-    spread : float
-        Overdispersion.
+    overdispersion : float
+        Of the loss.
     others : tuple of Guess
         Other guesses of the effect, not refitted.
     falls : ndarray

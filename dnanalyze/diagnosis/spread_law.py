@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
-from dnanalyze.diagnosis.gains import judged
+from dnanalyze.diagnosis.gains import trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.derivatives import derive
@@ -49,7 +49,7 @@ def spread_law(null: FittedModel, wanted: float = math.inf) -> Trial | None:
     ended = minimise(problem, begun, FIT_STEPS, below=wanted)
     if ended.loss <= wanted:
         ended = converge(problem, ended, rounds=1, last=False)
-    found = judged(null, BASE, ended)
+    found = trial_of(null, BASE, ended)
     return found if significant(found) else None
 
 

@@ -32,7 +32,7 @@ from dnanalyze.diagnosis.candidates import (
 )
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.forms import completed
-from dnanalyze.diagnosis.gains import judged, judged_by_prediction
+from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.search_path import (
@@ -124,7 +124,7 @@ def reduced(problem: FitProblem, state: State) -> tuple[State, list[str]]:
     whole = FittedModel.of(problem, state)
     for name in [n for n in state.model.names if n not in (*BASELINE, BASE)]:
         without = FittedModel(whole.problem, removal(whole.problem, whole.state, name))
-        found = judged(without, name, whole.state)
+        found = trial_of(without, name, whole.state)
         if found.evidence < EVIDENCE_NULL and found.error_fall <= ERROR_SCATTER * without.error:
             whole = FittedModel.of(whole.problem, without.state)
             gone.append(name)
@@ -156,7 +156,7 @@ def swapped(
         others[name] = type(mine)
         without = FittedModel(null.problem, removal(null.problem, null.state, name))
         for trial in trials(without, others, on_progress):
-            made = judged_by_prediction(null, trial)
+            made = trial_by_prediction(null, trial)
             if significant(made):
                 found.append((name, without, made))
     return max(found, key=lambda f: f[2].evidence, default=None)
@@ -335,8 +335,8 @@ class Search:
         made = self._made(null, best, path.tried, self._room(path))
         if len(made) > 1 and not falling([most, *(m.error for m in made)]):
             made = self._made(null, best, path.tried)
-        told = shown(null.problem, made[0].state, best.effect)
-        if made[-1].error > most or not told:
+        visible = shown(null.problem, made[0].state, best.effect)
+        if made[-1].error > most or not visible:
             return replace(path, refused=(*path.refused, best.effect))
         return self._taken(path, made)
 

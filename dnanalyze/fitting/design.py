@@ -25,7 +25,7 @@ class Design:
 
     The fit sees ``train``, the upper half; the error is measured on ``test``, the lower half. So
     either half has every column: what is peculiar to some of them (a level that settles, readout
-    taps, a defect line) is fitted on one half and judged on the other.
+    taps, a defect line) is fitted on one half and tested on the other.
     Large-scale shading, which has only one realisation over the field, is split by a checkerboard
     of blocks. ``everything``: the captures with all settings and frames. All are in
     codes, each of ``unit`` in the files.

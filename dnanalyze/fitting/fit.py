@@ -37,7 +37,7 @@ from dnanalyze.fitting.moments import (
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
-from dnanalyze.fitting.start import ordinary_model, paper_models
+from dnanalyze.fitting.start import baseline_by_moments, paper_models
 from dnanalyze.fitting.state import State, loss, root_weights, start, unseen
 from dnanalyze.fitting.ties import TRANSFER, misfits
 from dnanalyze.fitting.yardstick import REPLICATES as QUICK_REPLICATES
@@ -296,7 +296,7 @@ def baseline_model(problem: FitProblem, beside: Effect | None = None) -> NoiseMo
     gain = next((k.value for k in known if k.source == TRANSFER), None)
     if beside is not None:
         found = less(found, beside, problem.plan.shape)
-    made = ordinary_model(found, bits, serial, gain)
+    made = baseline_by_moments(found, bits, serial, gain)
     return replace(made, unit=problem.plan.unit)
 
 
@@ -416,8 +416,8 @@ def _described(
     spread = np.sqrt(np.diag(covariance)) if free else np.empty(0)
     known = np.ones(len(free), bool) if seen is None else seen
     parameters = [
-        _parameter(k, x, s, bool(told))
-        for k, x, s, told in zip(free, here, spread, known, strict=True)
+        _parameter(k, x, s, bool(determined))
+        for k, x, s, determined in zip(free, here, spread, known, strict=True)
     ]
     with np.errstate(invalid="ignore", divide="ignore"):
         correlations = covariance / np.outer(spread, spread)
@@ -428,7 +428,7 @@ def _described(
         for k, p in zip(free, parameters, strict=True)
         if _of_dark_current(state.model, k) and unusual(p.value, p.se)
     ]
-    doubts += _sessions_told(problem, state.model)
+    doubts += _moved_sessions(problem, state.model)
     exact = _read_off(problem, state.model)
     whole = np.eye(len(free) + len(exact))  # their errors are none of the fit's
     whole[: len(free), : len(free)] = correlations
@@ -436,7 +436,7 @@ def _described(
     return Fit(state.model, every, whole, doubts, problem, state, problem.plan.captures)
 
 
-def _sessions_told(problem: FitProblem, model: NoiseModel) -> list[str]:
+def _moved_sessions(problem: FitProblem, model: NoiseModel) -> list[str]:
     """Operating points with a black level of their own, in a sentence."""
     own = problem.direct.sessions
     if own is None or not isinstance(model.pedestal, TableLaw):

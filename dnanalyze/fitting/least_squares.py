@@ -1,8 +1,8 @@
 """Levenberg-Marquardt on simulated statistics, with few simulations.
 
 Between iterations the derivatives are kept up to date by Broyden's rank-one formula instead of
-being taken anew. A pseudo-Huber loss keeps a few statistics that the model cannot reach from
-bending all others. The mean level alone is held within bounds.
+being taken anew. A pseudo-Huber loss limits the influence of statistics that the model cannot
+reach. The mean level alone is bounded.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from dnanalyze.fitting.ties import misfits
 
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
 KEPT = 4 / 3  # factor within which a step takes off what true derivatives promise
-# Floors that one unit of a parameter's grid moves the numbers by. Steps end on the grid, so that
-# libraries of linear algebra whose last bits differ lead to the same models. Off by half a unit,
-# the loss is higher by (2^-10 / 2)^2 = 2e-7 a parameter.
+# Reproducibility SDs by which one unit of a parameter's grid moves the numbers. Steps end on the
+# grid, so that libraries of linear algebra whose last bits differ lead to the same models. Off by
+# half a unit, the loss is higher by (2^-10 / 2)^2 = 2e-7 a parameter.
 GRAIN = 2.0**-10
 DAMPING = 1e-2  # of the first step
 FIRM = 50.0  # damping beyond which steps are too short to be worth a simulation

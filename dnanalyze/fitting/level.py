@@ -134,7 +134,7 @@ def level(
     ----------
     points : sequence of OperatingPoint
     halves : sequence of Target
-        The fitted and the judged half.
+        The fitted and the held-out half.
     differences : sequence of ndarray
         (measured - model) / reproducibility SD on either.
     signals : DarkSignals

@@ -10,16 +10,16 @@ from dnanalyze.fitting.vectors import Target
 
 
 def linear_step(
-    state: State, fitted: Target, judged: Target, train: np.ndarray, test: np.ndarray
+    state: State, fitted: Target, held_out: Target, train: np.ndarray, test: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Misfits after the step of the parameters that lowers those on the fitted half.
 
-    The derivatives are those of the state: what all sensors of a make share.
+    The derivatives are those of the state: all sensors of one design share them.
 
     Parameters
     ----------
     state : State
-    fitted, judged : Target
+    fitted, held_out : Target
         The two halves.
     train, test : ndarray
         Misfits on either, in reproducibility SDs, (sensors, statistics).
@@ -28,7 +28,7 @@ def linear_step(
     weights = [root_weights(z, state.weight) for z in train]
     steps = [_step(jacobian * w[:, None], z * w) for z, w in zip(train, weights, strict=True)]
     taken = np.reshape(steps, (len(train), jacobian.shape[1]))
-    unseen = fitted.derivatives_of(judged, jacobian)
+    unseen = fitted.derivatives_of(held_out, jacobian)
     return train + taken @ jacobian.T, test + taken @ unseen.T
 
 

@@ -88,10 +88,10 @@ def less(m: Moments, effect: Effect, shape: tuple[int, int]) -> Moments:
     Shot noise is of all charge: the temporal variance that the effect's charge makes goes with it,
     in proportion to the signal, or what is left would seem to have a larger gain.
     """
-    told = [effect.adds(p, m.reference, shape) for p in m.points]
-    if None in told:
+    contributions = [effect.adds(p, m.reference, shape) for p in m.points]
+    if None in contributions:
         return m
-    level, variance = np.array(told, float).T
+    level, variance = np.array(contributions, float).T
     rest = np.maximum(m.signal - level, REST * m.signal)
     design = np.stack([np.ones_like(m.signal), m.signal], 1) / m.total[:, None]
     (_, slope), _ = nnls(design, m.temporal / m.total)

@@ -121,13 +121,13 @@ def _of_variances(
     """How the temporal variance and the scatter of the DSNU vary over the field, over their means
     there.
     """
-    told: dict[str, Value] = {}
+    values: dict[str, Value] = {}
     for name, curve in RELATIVE.items():
         blocks = _whole(upper, lower, curve)
         if blocks is not None:
             found = _surfaces(blocks / blocks.mean(), parity)
-            told |= {f"{name}{i}_{j}": found[i, j] for i, j in RELATIVE_ORDERS}
-    return told
+            values |= {f"{name}{i}_{j}": found[i, j] for i, j in RELATIVE_ORDERS}
+    return values
 
 
 def _whole(upper: SettingStatistics, lower: SettingStatistics, name: str) -> np.ndarray | None:
@@ -135,8 +135,8 @@ def _whole(upper: SettingStatistics, lower: SettingStatistics, name: str) -> np.
     if name not in upper.curves or name not in lower.curves:
         return None
     blocks = np.concatenate([upper.curves[name], lower.curves[name]])
-    told = min(blocks.shape) >= 2 * ORDER and np.isfinite(blocks).all()
-    return blocks if told else None
+    usable = min(blocks.shape) >= 2 * ORDER and np.isfinite(blocks).all()
+    return blocks if usable else None
 
 
 def _surfaces(blocks: np.ndarray, parity: int) -> dict[tuple[int, int], Value]:

@@ -60,7 +60,7 @@ def _paper(m: Moments) -> NoiseModel:
     return NoiseModel((base,), m.pedestal, m.reference)
 
 
-def ordinary_model(
+def baseline_by_moments(
     m: Moments,
     bits: int = 16,
     serial: tuple[float, float] = (0.0, 0.0),

@@ -27,18 +27,18 @@ class State:
     Parameters
     ----------
     model : NoiseModel
-    free parameters : list of FreeParameter
+    free : list of FreeParameter
     train : ndarray
-        Differences in floors on the fitted half.
+        Misfits z on the fitted half, in reproducibility SDs.
     unseen : callable
-        Those on the judged half: simulated when first asked for, which no step of a fit does.
+        Those on the held-out half: simulated when first asked for, which no step of a fit does.
     jacobian : ndarray
         d train / d parameter, (numbers, free parameters); NaN columns are not known yet.
     at_rest : bool
         Whether a fit has ended here because its derivatives, which its last step showed to be true,
         promise no more.
     bounds : ndarray, optional
-        Of each train number, in floors: how far it may be off, inf where that is left to the loss.
+        Of each train number, in SDs: how far it may be off, inf where that is left to the loss.
     ties : tuple of Tie
         Constraints of free parameters by direct measurements.
     weight : ndarray or float
@@ -74,7 +74,7 @@ class State:
 
 def unseen(problem: FitProblem, model: NoiseModel) -> Callable[[], np.ndarray]:
     """Function that computes the misfits of the held-out half when first asked."""
-    return cache(partial(problem.judged_z, model))
+    return cache(partial(problem.held_out_z, model))
 
 
 def deviance(z: np.ndarray) -> np.ndarray:
@@ -134,8 +134,8 @@ def evened(problem: FitProblem, state: State) -> tuple[FitProblem, State]:
 def carried(state: State, there: FitProblem, here: FitProblem) -> State:
     """The model of a state, with its derivatives, from the part to the whole or back.
 
-    A statistic's derivative is the same but for its floor; of one that only one of them has, it is
-    taken to be 0.
+    A statistic's derivative is the same but for its reproducibility SD; it is taken to be 0 for one
+    that only one of them has.
     """
     begun = start(here, state.model, state.free)
     return replace(begun, jacobian=there.train.derivatives_of(here.train, state.jacobian))

@@ -187,9 +187,9 @@ def direct(statistics: Statistics) -> Direct:
     for setting in dict.fromkeys(g.gain for g in groups):
         own = [g.quantities for g in groups if g.gain == setting]
         found = [q[kinds.TRANSFER.key] for q in own if kinds.TRANSFER.key in q]
-        told = [(q.value, q.se) for q in found if q.value is not None and q.se is not None]
-        if told and len(told) == len(found):
-            value, se = np.array(told).T
+        transfers = [(q.value, q.se) for q in found if q.value is not None and q.se is not None]
+        if transfers and len(transfers) == len(found):
+            value, se = np.array(transfers).T
             mean = float(np.average(value, weights=se**-2.0))
             error = max(
                 float(np.sum(se**-2.0) ** -0.5), float(np.ptp(value)) / 2, GAIN_TOLERANCE * mean

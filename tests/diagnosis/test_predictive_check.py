@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.gains import judged
+from dnanalyze.diagnosis.gains import trial_of
 from dnanalyze.diagnosis.predictive_check import REPLICATES, FittedModel
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
@@ -165,7 +165,7 @@ def test_evidence_from_one_sensors_random_field_is_in_units_of_its_scatter():
         for half, z in ((seen.train, null.state.train), (seen.test, null.state.test))
     )
     after = replace(null.state, train=train, unseen=lambda: test)
-    found = judged(null, "glow", after)
+    found = trial_of(null, "glow", after)
     further = [plain.problem.replicate(plain.state.model, n) for n in range(100, 140)]
     expected = 0.0
     for i, (half, z) in enumerate(((seen.train, plain.state.train), (seen.test, plain.state.test))):
@@ -180,6 +180,6 @@ def test_evidence_from_a_parameter_keeps_its_size():
     noisy = NoiseModel((ReadNoise(5.0), *BASE[1:]), 64.0, COLD, 1)
     seen = fit_problem(design(simulate(noisy, (128, 128), [(COLD, 8), (WARM, 8)])))
     null = _null(seen, _model(seed=2))
-    found = judged(null, "more_noise", _null(seen, replace(noisy, seed=2)).state)
+    found = trial_of(null, "more_noise", _null(seen, replace(noisy, seed=2)).state)
     assert found.falls.sum() / 2.0 == pytest.approx(found.evidence)
     assert found.evidence > 60.0

@@ -8,10 +8,10 @@ import pytest
 from dnanalyze.diagnosis.score_test import (
     LONGEST,
     along,
+    informative,
     much_left,
     restricted,
     score_tests,
-    telling,
 )
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
@@ -177,7 +177,7 @@ def test_a_baseline_beside_a_guess_has_the_black_levels_of_all_operating_points(
     problem = fit_problem(design(made))
     model = baseline_model(problem)
     begun = start(problem, model, free_parameters(model))
-    away = next(n for n in range(4) if n not in telling(problem, begun))
+    away = next(n for n in range(4) if n not in informative(problem, begun))
     black = TableLaw(tuple(points), tuple(230.0 if n == away else 200.0 for n in range(4)))
     sessions = SessionLevels(black, np.full(4, 0.1), (points[away],))
     problem = replace(problem, direct=replace(problem.direct, sessions=sessions))

@@ -7,7 +7,7 @@ import pytest
 from drawn_sensor import problem_with
 
 from dnanalyze.diagnosis.baseline import far_off
-from dnanalyze.diagnosis.gains import judged_by_prediction
+from dnanalyze.diagnosis.gains import trial_by_prediction
 from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.search_path import Path, SearchLimits
@@ -103,7 +103,7 @@ def test_a_confounded_effect_gives_way_to_the_hidden_one(problem):
     assert without.state.model.get("row_noise") is None
     null = FittedModel.of(problem, state)
     assert comes.error < null.error
-    by_make = judged_by_prediction(null, comes)
+    by_make = trial_by_prediction(null, comes)
     assert (comes.gain, comes.fitted_gain) == pytest.approx((by_make.gain, by_make.fitted_gain))
     assert swapped(problem, state, [], {"row_fpn": RowFpn}, lambda _: None) is None
 

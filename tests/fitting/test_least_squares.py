@@ -31,7 +31,7 @@ def test_a_step_tells_whether_its_derivatives_are_true(factor, far, true):
         return far - slope[:, 0] * (positions(moved, free) - here)
 
     problem = SimpleNamespace(bounds=lambda _: None, weight=1.0)
-    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, ties=lambda *_: ())
+    straight = SimpleNamespace(fitted_z=z, held_out_z=z, train=problem, ties=lambda *_: ())
     begun = State(model, free, z(model), lambda: z(model), -factor * slope, not true)
     ended = minimise(straight, begun, 5, tolerance=0.992 if far < 1 else 0.01)
     assert ended.loss < 0.5 * begun.loss
@@ -78,7 +78,7 @@ def test_families_count_equally_in_a_fit():
         return (positions(moved, free)[0] - here) - (families == "spectrum")
 
     problem = SimpleNamespace(bounds=lambda _: None, weight=target.weight)
-    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, ties=lambda *_: ())
+    straight = SimpleNamespace(fitted_z=z, held_out_z=z, train=problem, ties=lambda *_: ())
     begun = replace(start(straight, model, free), jacobian=np.ones((10, 1)))
     ended = minimise(straight, begun, 12, tolerance=1e-4)
     assert ended.train[0] == pytest.approx(0.5, abs=0.02)

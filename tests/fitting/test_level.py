@@ -124,7 +124,7 @@ def test_a_level_is_not_given_up_for_many_statistics_that_lie_far_off(bound):
         return np.concatenate([[30.0 * x], np.full(20, 60.0 * (x - 1.0))])
 
     problem = SimpleNamespace(bounds=lambda _: bounds, weight=1.0)
-    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, ties=lambda *_: ())
+    straight = SimpleNamespace(fitted_z=z, held_out_z=z, train=problem, ties=lambda *_: ())
     slope = np.concatenate([[30.0], np.full(20, 60.0)])[:, None]
     ended = minimise(straight, replace(start(straight, model, free), jacobian=slope), 12)
     if np.isinf(bound):

@@ -83,16 +83,16 @@ def strips(profile: np.ndarray) -> Strips | None:
         if len(edges) < len(found):
             break
         found.append(_fit(level, trend, edges))
-        told = n / _alike(found[-1].left)
-        costs = [_cost(f, told, n, floor) for f in found]
+        independent = n / _alike(found[-1].left)
+        costs = [_cost(f, independent, n, floor) for f in found]
         best = int(np.argmin(costs))
         if len(found) - 1 - best >= _WITHOUT_GAIN:
             break
     if best == 0:
         return None
     chosen = min(
-        (_settled(level, trend, f, told, n, floor) for f in found[1 : best + 1]),
-        key=lambda f: _cost(f, told, n, floor),
+        (_settled(level, trend, f, independent, n, floor) for f in found[1 : best + 1]),
+        key=lambda f: _cost(f, independent, n, floor),
     )
     chosen = _seen(level, trend, chosen)
     if not chosen.edges or not _beats_a_curve(level, chosen, alone):
@@ -205,16 +205,20 @@ def _alike(left: np.ndarray) -> float:
     return 1.0 + 2.0 * float(rho[: apart[0] if apart.size else rho.size].sum())
 
 
-def _cost(fit: _Fit, told: float, n: int, floor: float) -> float:
+def _cost(fit: _Fit, independent: float, n: int, floor: float) -> float:
     """Modified Bayesian information criterion, for so many independent lines of n."""
     widths = np.diff([0, *fit.edges, n]) / n
     price = 3.0 * len(fit.edges) + (2.0 if fit.settling else 0.0)
     squares = max(fit.squares, floor)
-    return told * math.log(squares) + price * math.log(told) + float(np.log(widths).sum())
+    return (
+        independent * math.log(squares)
+        + price * math.log(independent)
+        + float(np.log(widths).sum())
+    )
 
 
 def _settled(
-    level: np.ndarray, trend: np.ndarray, fit: _Fit, told: float, n: int, floor: float
+    level: np.ndarray, trend: np.ndarray, fit: _Fit, independent: float, n: int, floor: float
 ) -> _Fit:
     """The fit with the settling that the criterion wants, or as it is.
 
@@ -231,7 +235,7 @@ def _settled(
             share = float(step @ amplitude / max(step @ step, 1e-30))
             settling = (min(max(share, -1.0), 1.0), float(length), side)
             made = _fit(level, trend, fit.edges, settling)
-            if _cost(made, told, n, floor) < _cost(best, told, n, floor):
+            if _cost(made, independent, n, floor) < _cost(best, independent, n, floor):
                 best = made
     return best
 

@@ -44,8 +44,8 @@ def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
         return []
     height, ea = fitted
     best = int(np.nanargmax(np.where(np.isfinite(size), (seen**2).sum(0), -1)))
-    told = np.abs(raw[best]) >= min(NOTICEABLE * errors[best], np.abs(raw[best]).max())
-    terms = over_frame(told * fits[best] / size[best] * height, clues)
+    significant = np.abs(raw[best]) >= min(NOTICEABLE * errors[best], np.abs(raw[best]).max())
+    terms = over_frame(significant * fits[best] / size[best] * height, clues)
     values = dict(zip(TERMS, terms, strict=True))
     inside: dict[str, Any] = clip(effect, **values, ea_ev=ea)
     added = effect(**inside)
@@ -53,18 +53,18 @@ def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
     if shares is None:
         return [added]
     share: dict[str, Any] = clip(
-        effect, **dict(zip(TERMS, over_frame(told * shares, clues), strict=True))
+        effect, **dict(zip(TERMS, over_frame(significant * shares, clues), strict=True))
     )
     return [added, effect(**share, form="scaled")]
 
 
 def _slopes(clues: Clues, fits: np.ndarray) -> np.ndarray | None:
     """Slope of each coefficient over the mean level, DN a DN; None: the level hardly moves."""
-    told = over_signal(clues, fits.T)
-    if told is None:
+    both = over_signal(clues, fits.T)
+    if both is None:
         return None
-    away = told[0] - told[0].mean()
-    return np.asarray(np.clip(told[1] @ away / (away @ away), -0.5, 0.5))
+    away = both[0] - both[0].mean()
+    return np.asarray(np.clip(both[1] @ away / (away @ away), -0.5, 0.5))
 
 
 def _waits(clues: Clues) -> dict[str, float] | None:

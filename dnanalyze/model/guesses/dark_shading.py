@@ -29,13 +29,13 @@ def guess(effect: type[DarkShading], clues: Clues) -> list[Effect]:
         blocks = curve(clues, "block_means", j)
         if blocks is not None and min(blocks.shape) >= 3:
             spread[j] = float(np.var(blocks))
-    told = over_signal(clues, spread)
-    if told is None:
+    both = over_signal(clues, spread)
+    if both is None:
         return []
-    square = told[0] ** 2
+    square = both[0] ** 2
     away = square - square.mean()
-    slope = float(away @ told[1] / (away @ away))
-    if slope * square.max() < 0.5 * told[1].max():  # half of what the blocks vary by
+    slope = float(away @ both[1] / (away @ away))
+    if slope * square.max() < 0.5 * both[1].max():  # half of what the blocks vary by
         return []
     known = np.isfinite(spread) & np.isfinite(clues.measured("mean"))
     power = band_excess(clues, "pattern_psd", BANDS)[:, known] @ square

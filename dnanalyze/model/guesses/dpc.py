@@ -87,10 +87,10 @@ def _threshold(clues: Clues) -> float:
     for name, k in _EXCESS:
         expected = np.asarray(clues.simulated(name), float)
         seen = np.asarray(clues.measured(name), float)
-        told = np.isfinite(noise * expected * seen) & (expected > _ENOUGH)
-        leads += list(k * noise[told])
-        left += list(np.minimum(seen[told] / expected[told], 1.0))
-        weights += list(np.sqrt(expected[told]))
+        usable = np.isfinite(noise * expected * seen) & (expected > _ENOUGH)
+        leads += list(k * noise[usable])
+        left += list(np.minimum(seen[usable] / expected[usable], 1.0))
+        weights += list(np.sqrt(expected[usable]))
     if not leads:
         return 0.0
     order = np.argsort(leads, kind="stable")

@@ -21,8 +21,8 @@ FLICKERS = 0.3
 def quietest(noise: np.ndarray) -> int:
     """The setting of least temporal noise, DN, whose codes tell it: less seldom changes a code."""
     heard = np.where(np.isfinite(noise) & (noise > 0), noise, np.inf)
-    told = np.where(heard >= FLICKERS, heard, np.inf)
-    return int(np.argmin(told if np.isfinite(told).any() else heard))
+    clear = np.where(heard >= FLICKERS, heard, np.inf)
+    return int(np.argmin(clear if np.isfinite(clear).any() else heard))
 
 
 def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float = SIGN) -> bool:
@@ -66,8 +66,8 @@ def known(values: np.ndarray) -> np.ndarray:
 
 def typical(values: np.ndarray) -> float:
     """Median of what is known; 0 where nothing is."""
-    told = known(values)
-    return float(np.median(told)) if told.size else 0.0
+    finite = known(values)
+    return float(np.median(finite)) if finite.size else 0.0
 
 
 def typical_positive(values: np.ndarray) -> float:

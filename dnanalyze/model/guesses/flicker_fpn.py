@@ -48,10 +48,10 @@ def _shares(clues: Clues, excess: np.ndarray) -> np.ndarray:
 
     Zeros where the level hardly moves.
     """
-    told = over_signal(clues, excess)
-    if told is None:
+    both = over_signal(clues, excess)
+    if both is None:
         return np.zeros(len(excess))
-    square, power = told[0] ** 2, told[1]
+    square, power = both[0] ** 2, both[1]
     return np.asarray(power @ square / float(square @ square))
 
 

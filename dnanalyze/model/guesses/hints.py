@@ -86,7 +86,9 @@ def thermal_fit(
     celsius = np.array([origin if t is None else t for t in temperature])[good]
     x, y = activation(celsius + KELVIN, origin + KELVIN), np.log(amplitude[good])
     w = np.exp(0.5 * (y - y.max()))
-    told = tells_slope(t for t, g in zip(temperature, good, strict=True) if g)
-    ea = arrhenius_line(x, amplitude[good], 1.0 / np.sqrt(w)).energy_ev if told else default_ev
+    determined = tells_slope(t for t, g in zip(temperature, good, strict=True) if g)
+    ea = (
+        arrhenius_line(x, amplitude[good], 1.0 / np.sqrt(w)).energy_ev if determined else default_ev
+    )
     ea = min(max(ea, 0.0), 1.5)
     return float(np.exp(np.average(y - ea * x, weights=w))), ea

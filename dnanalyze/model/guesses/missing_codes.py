@@ -38,15 +38,15 @@ def _periodic(clues: Clues, sigma: float) -> list[Effect]:
     Where every code is as wide as the others but for one of twice the width, or of none, a
     digital gain did it: that a converter's error should be just one step is a coincidence.
     """
-    told = code_widths(_histograms(clues), PERIODS)
-    if not told:
+    widths = code_widths(_histograms(clues), PERIODS)
+    if not widths:
         period = typical_positive(np.asarray(clues.measured("code_comb_period"), float))
         turns = {p: p / period for p in PERIODS} if period else {}  # a harmonic may be strongest
         fits = [p for p, n in turns.items() if n > 0.9 and abs(n - round(n)) < 0.08]
         return [MissingCodes(sigma, "periodic", p) for p in fits[:2]]
-    if any(_by_a_gain(d) for d in told):
+    if any(_by_a_gain(d) for d in widths):
         return []
-    return [_with_widths(d) for d in told if d.any()]
+    return [_with_widths(d) for d in widths if d.any()]
 
 
 def _by_a_gain(d: np.ndarray) -> bool:
@@ -60,8 +60,10 @@ def _by_a_gain(d: np.ndarray) -> bool:
 
 
 def _with_widths(d: np.ndarray) -> MissingCodes:
-    told = tuple(round(float(v), 4) for v in d / np.std(d))
-    return MissingCodes(bounded(MissingCodes, "sigma", float(np.std(d))), "periodic", d.size, told)
+    relative = tuple(round(float(v), 4) for v in d / np.std(d))
+    return MissingCodes(
+        bounded(MissingCodes, "sigma", float(np.std(d))), "periodic", d.size, relative
+    )
 
 
 def _histograms(clues: Clues) -> list[tuple[np.ndarray, np.ndarray]]:

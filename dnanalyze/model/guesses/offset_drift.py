@@ -52,11 +52,11 @@ def _relative(clues: Clues, spread2: np.ndarray) -> float | None:
     """Spread of the frame means over the dark signal, by least squares in the signal above that of
     the coldest setting; None where that hardly moves or the spread does not grow with it.
     """
-    told = over_signal(clues, spread2)
-    if told is None:
+    both = over_signal(clues, spread2)
+    if both is None:
         return None
-    x2 = told[0] ** 2
-    square = float(x2 @ told[1] / (x2 @ x2))
+    x2 = both[0] ** 2
+    square = float(x2 @ both[1] / (x2 @ x2))
     return math.sqrt(square) if square > 0 else None
 
 
@@ -67,9 +67,9 @@ def _are_white(means: Sequence[np.ndarray | None]) -> bool:
     Stat. 12 (1941) 367) is 2 where they are independent and 6 / (K + 1) for a walk of K frames.
     They are taken as independent where it is nearer to 2; fewer than three frames tell nothing.
     """
-    told = [m for m in means if m is not None and len(m) >= 3]
-    differences = sum(float(np.mean(np.diff(m) ** 2)) for m in told)
-    middle = sum((1.0 + 3.0 / (len(m) + 1)) * float(np.var(m, ddof=1)) for m in told)
+    series = [m for m in means if m is not None and len(m) >= 3]
+    differences = sum(float(np.mean(np.diff(m) ** 2)) for m in series)
+    middle = sum((1.0 + 3.0 / (len(m) + 1)) * float(np.var(m, ddof=1)) for m in series)
     return differences > middle
 
 
@@ -78,10 +78,10 @@ def _share(clues: Clues, means: Sequence[np.ndarray | None]) -> float | None:
     difference over the level; None where the level hardly moves or the slope is not seen.
     """
     jump = np.array([np.nan if m is None or len(m) < 2 else m[0] - m[1] for m in means])
-    told = over_signal(clues, jump)
-    if told is None or told[1].size < 3:
+    both = over_signal(clues, jump)
+    if both is None or both[1].size < 3:
         return None
-    x, jump = told
+    x, jump = both
     slope = float(x @ jump / (x @ x))
     rest = jump - slope * x
     error = math.sqrt(float(rest @ rest) / (x.size - 1) / float(x @ x))

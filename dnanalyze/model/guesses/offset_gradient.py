@@ -30,9 +30,9 @@ def guess(effect: type[OffsetGradient], clues: Clues) -> list[Effect]:
     floor = max(float(errors[known].max()) * 1e-6, 1e-12)
     weight = (gains[known] / np.maximum(errors[known], floor)) ** 2
     mean = weight @ (raw[known] / gains[known, None]) / weight.sum()
-    told = np.abs(mean) >= NOTICEABLE / np.sqrt(weight.sum())
-    if not told.any():
+    significant = np.abs(mean) >= NOTICEABLE / np.sqrt(weight.sum())
+    if not significant.any():
         return []
-    terms = over_frame(told * mean, clues)
+    terms = over_frame(significant * mean, clues)
     values: dict[str, Any] = clip(effect, **dict(zip(TERMS, terms, strict=True)))
     return [effect(**values)]
