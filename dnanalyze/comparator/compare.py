@@ -190,10 +190,7 @@ def rows_of(problem: FitProblem, simulated: np.ndarray) -> list[dict[str, Any]]:
             {
                 "name": key.name,
                 "family": info.family,
-                "temperature_c": point.temperature_c,
-                "exposure_s": point.exposure_s,
-                "gain": point.gain,
-                "channel": point.channel,
+                **vars(point),  # temperature_c, exposure_s, gain, channel
                 "plane": key.plane,
                 "unit": info.unit,
                 "scale": str(info.scale),

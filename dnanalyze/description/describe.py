@@ -26,7 +26,6 @@ from dnanalyze.diagnosis.stepwise import reduced, supported
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.fit import with_seed
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import fitted_in_time
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.measured_parameters import at_measured_parameters
@@ -306,7 +305,7 @@ def _judged(
         for one in _best_of_layers(found)[:MAX_LAYERS]:
             on_progress(f"refitting with {one.effect.where}")
             larger = state.model.with_effect(one.effect)
-            begun = start(limited, larger, free_parameters(larger), like=state)
+            begun = start(limited, larger, like=state)
             ended = minimise(limited, begun, REFIT_STEPS)
             tried.append((one, trial_of(null, CompositeEffect.name, ended)))
     except TimeUp:

@@ -9,6 +9,7 @@ sensors show (``FilterTest.limit``): at a million pixels everything is significa
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy import stats
@@ -71,21 +72,18 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     shared = lag.short_range_under_flicker if e.temporal else lag.short_range
     extra = 0.0 if e.temporal else 0.02  # the fixed pattern of one frame is less exchangeable
     chords = e.spectrum.independent_chords  # the one that rises most was taken
+    denoise = partial(_denoise, e)
     asked = [
-        FilterTest(
+        denoise(
             "spectral_corner",
-            "denoise",
-            e,
             min(1.0, chords * one_sided(bend, bend_se)),
             bend,
             0.08 + 2 * extra + room * bound.concavity,
             f"the spectrum of the noise is flat at low and falls at high frequencies: ln P lies "
             f"{bend:.2f} above a chord; for white noise with 1/f noise it lies below every chord",
         ),
-        FilterTest(
+        denoise(
             "crosstalk_or_denoise",
-            "denoise",
-            e,
             one_sided(shared, lag.short_range_error),
             shared,
             0.02 + extra + room * bound.short_range,
@@ -103,10 +101,8 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     repeat = (own - far) / max(1 - far, 1e-6)
     se = np.sqrt(max(far * (1 - far), 1 / pixels) / pixels) * 2
     asked.append(
-        FilterTest(
+        denoise(
             "median_equality",
-            "denoise",
-            e,
             one_sided(own - far, se),
             repeat,
             0.14,
@@ -117,6 +113,12 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     return asked
 
 
+def _denoise(
+    e: ViewEvidence, test: str, p: float, effect: float, limit: float, words: str
+) -> FilterTest:
+    return FilterTest(test, "denoise", e, p, effect, limit, words)
+
+
 def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[FilterTest]:
     """Tests that tell the kind of a filter but never speak alone.
 
@@ -124,31 +126,26 @@ def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[FilterTes
     """
     rank, t = e.rank[8], e.texture
     rarer, uneven = 1 - rank.extremes, t.dispersion - 1
+    denoise = partial(_denoise, e)
     return [
-        FilterTest(
+        denoise(
             "rank_exceedance",
-            "denoise",
-            e,
             one_sided(rarer, rank.se),
             rarer,
             rarer_limit if backed else np.inf,
             f"local extremes of the noise are {100 * rarer:.1f} % less frequent than for "
             "exchangeable pixels",
         ),
-        FilterTest(
+        denoise(
             "local_variance",
-            "denoise",
-            e,
             one_sided(uneven, t.dispersion_se),
             uneven,
             0.3 if backed else np.inf,
             "the noise varies over the field: the variances of 4×4 tiles scatter "
             f"{t.dispersion:.2f} times as much as those of independent pixels",
         ),
-        FilterTest(
+        denoise(
             "wavelet_kurtosis",
-            "denoise",
-            e,
             one_sided(t.hh_excess, t.hh_se),
             t.hh_excess,
             0.3 if backed else np.inf,

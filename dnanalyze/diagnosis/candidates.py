@@ -29,7 +29,6 @@ from dnanalyze.diagnosis.selection import (
 )
 from dnanalyze.fitting.changes import part_for
 from dnanalyze.fitting.derivatives import GROWTH, derive
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
@@ -251,7 +250,7 @@ def _refitted_in(problem: FitProblem, state: State, found: Trial, least: float) 
     effect = found.state.model.get(found.effect)
     assert effect is not None
     model = state.model.with_effect(effect)
-    begun = start(problem, model, free_parameters(model), like=state)
+    begun = start(problem, model, like=state)
     own = with_derivatives_of(begun, found.state).jacobian
     known = np.where(np.isnan(begun.jacobian), own, begun.jacobian)
     return minimise(problem, replace(begun, jacobian=known), FIT_STEPS, below=least)
@@ -272,7 +271,7 @@ def _begun(problem: FitProblem, guess: Guess, like: State) -> State:
     A refit that begins far beyond does not come back. A guess that comes with corrected nuisance
     parameters begins as it is, since these go with its strength.
     """
-    begun = start(problem, guess.model, free_parameters(guess.model), like=like)
+    begun = start(problem, guess.model, like=like)
     if guess.model.without(guess.effect) != like.model:
         return begun
     for _ in range(STARTS):
@@ -284,5 +283,5 @@ def _begun(problem: FitProblem, guess: Guess, like: State) -> State:
         if weaker is None:
             break
         model = begun.model.with_effect(weaker)
-        begun = start(problem, model, free_parameters(model), like=like)
+        begun = start(problem, model, like=like)
     return begun

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
@@ -19,26 +17,13 @@ from dnanalyze.model.registry import built_in
 from dnanalyze.significance import STATED
 
 
-@dataclass(frozen=True)
-class Profile:
+def profile(problem: FitProblem, state: State) -> dict[str, float]:
     """Root mean square misfit of each statistic, over operating points and both halves."""
-
-    names: np.ndarray
-    size: np.ndarray
-
-    def of(self, name: str) -> float:
-        """Root mean square misfit of a statistic; 0 where it is absent."""
-        where = np.flatnonzero(self.names == name)
-        return float(self.size[where[0]]) if where.size else 0.0
-
-
-def profile(problem: FitProblem, state: State) -> Profile:
-    """Misfit by statistic."""
     names = np.concatenate([problem.train.names, problem.test.names])
     z = np.minimum(np.abs(np.concatenate([state.train, state.test])), SATURATION)
     unique, inverse = np.unique(names, return_inverse=True)
     size = np.sqrt(np.bincount(inverse, z**2) / np.bincount(inverse))
-    return Profile(unique, size)
+    return dict(zip(unique.tolist(), size.tolist(), strict=True))
 
 
 def evidence_for(
@@ -46,7 +31,7 @@ def evidence_for(
 ) -> list[str]:
     """Sentences on the statistics that the effect corrects, largest first."""
     was, now = profile(problem, before), profile(problem, after)
-    relief = {n: was.of(n) ** 2 - now.of(n) ** 2 for n in was.names}
+    relief = {n: was[n] ** 2 - now[n] ** 2 for n in was}
     for name in effect.fingerprint:  # of statistics that tell as much, the effect's own come first
         if name in relief:
             relief[name] *= 1.5
@@ -55,7 +40,7 @@ def evidence_for(
     sentences = [
         f"{_sentence(problem, before, name)}; with {effect.name} "
         f"the difference falls from {_size(was, name)} to {_size(now, name)} sigma"
-        for name in [n for n in closer if was.of(n) >= STATED][:most]
+        for name in [n for n in closer if was[n] >= STATED][:most]
     ]
     if not sentences:
         sentences = [_in_sum(effect.name, was, now, closer[:most])]
@@ -66,11 +51,11 @@ def evidence_for(
     return [*sentences, character] if character else sentences
 
 
-def _size(of: Profile, name: str) -> str:
-    return number(of.of(name), 2)
+def _size(of: dict[str, float], name: str) -> str:
+    return number(of[name], 2)
 
 
-def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
+def _in_sum(effect: str, was: dict[str, float], now: dict[str, float], names: list[str]) -> str:
     """The sum of many small corrections, where no single one is large."""
     if not names:
         return f"no statistic comes closer with {effect}"
@@ -86,14 +71,14 @@ def evidence_against(
 ) -> str | None:
     """Statistics that the best candidate corrects and the competitor does not."""
     left, right = profile(problem, rival), profile(problem, best)
-    gap = {n: left.of(n) - right.of(n) for n in left.names}
+    gap = {n: left[n] - right[n] for n in left}
     worst = max(gap, key=lambda n: gap[n])
     if gap[worst] < STATED:
         return None
     title = infos()[worst].title
     return (
-        f"with {rival_name} instead of {name} the difference in {title} is {left.of(worst):.1f} "
-        f"sigma, not {right.of(worst):.1f} sigma"
+        f"with {rival_name} instead of {name} the difference in {title} is {left[worst]:.1f} "
+        f"sigma, not {right[worst]:.1f} sigma"
     )
 
 

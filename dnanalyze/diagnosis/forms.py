@@ -54,7 +54,7 @@ def in_best_form(problem: FitProblem, found: Trial) -> State:
         models += way(state.model, found.effect, least_noise(problem))
     better = state
     for model in _promising(problem, state, list(dict.fromkeys(models)))[:REFITS]:
-        other = start(problem, model, free_parameters(model), like=state)
+        other = start(problem, model, like=state)
         ended = minimise(
             problem, without_biased(problem, other, found.effect), FIT_STEPS, below=better.loss
         )

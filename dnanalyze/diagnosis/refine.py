@@ -20,7 +20,6 @@ from dnanalyze.diagnosis.selection import STANDS_IN, confidence_of
 from dnanalyze.diagnosis.stepwise import Search, supported
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.fit import fit_on, paper_start, with_seed
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge, fitted_in_time
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.measured_parameters import at_measured_parameters
@@ -278,11 +277,11 @@ def add_on(
     if model is None:
         model = fit_on(captures, replicates=0, problem=problem, on_state=on_state).model
     model = at_measured_parameters(problem, model)
-    begun = start(problem, model, free_parameters(model))
+    begun = start(problem, model)
     null = FittedModel.of(problem, fitted_by_design(problem, begun, minimise))
     seen = score_tests(null.problem, null.state, {name: kind})
     larger = seen[0].model if seen else model.with_effect(kind())
-    begun = start(null.problem, larger, free_parameters(larger), like=null.state)
+    begun = start(null.problem, larger, like=null.state)
     after = trial_by_prediction(null, trial_of(null, name, converge(null.problem, begun)))
     ended = FittedModel.of(null.problem, after.state)
     yes = supported(null, [after]) is not None

@@ -56,7 +56,6 @@ from dnanalyze.diagnosis.selection import (
     significant,
 )
 from dnanalyze.diagnosis.spread_law import in_words, spread_law
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import FIT_STEPS, converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
@@ -112,7 +111,7 @@ def supported(null: FittedModel, tried: Sequence[Trial]) -> Trial | None:
 def removal(problem: FitProblem, state: State, name: str) -> State:
     """The model without an effect, refitted."""
     model = state.model.without(name)
-    return minimise(problem, start(problem, model, free_parameters(model), like=state), FIT_STEPS)
+    return minimise(problem, start(problem, model, like=state), FIT_STEPS)
 
 
 def reduced(problem: FitProblem, state: State) -> tuple[State, list[str]]:
@@ -434,7 +433,7 @@ class Search:
         state = expressed(converge(whole, removal(whole, state, last.added)), whole, self.problem)
         error, model = self._error(state), before.model
         if model is not None and error > before.error:
-            state, error = start(self.problem, model, free_parameters(model)), before.error
+            state, error = start(self.problem, model), before.error
         return self._without(path, state, [last.added], error)
 
     def _with_law(self, path: Path, null: FittedModel, law: Trial, most: float) -> Path:

@@ -8,7 +8,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from dnanalyze.fitting.free_parameters import FreeParameter, positions
+from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters, positions
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.ties import Tie, misfits
 from dnanalyze.fitting.vectors import SCALE
@@ -98,9 +98,16 @@ def beyond(z: np.ndarray, bounds: np.ndarray | None) -> np.ndarray:
 
 
 def start(
-    problem: FitProblem, model: NoiseModel, free: list[FreeParameter], like: State | None = None
+    problem: FitProblem,
+    model: NoiseModel,
+    free: list[FreeParameter] | None = None,
+    like: State | None = None,
 ) -> State:
-    """Simulate a model; take over derivatives from a like model where free parameters agree."""
+    """Simulate a model; take over derivatives from a like model where free parameters agree.
+
+    ``free``: all parameters of the model by default.
+    """
+    free = free_parameters(model) if free is None else free
     train = problem.fitted_z(model)
     blank = np.full((len(train), len(free)), np.nan)
     weight = problem.train.weight

@@ -11,7 +11,6 @@ import pytest
 from dnanalyze.diagnosis.gains import _witnessed, trial_by_prediction, trial_of
 from dnanalyze.diagnosis.predictive_check import REPLICATES, FittedModel
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import deviance, start
 from dnanalyze.loaders.captures import OperatingPoint, Window
@@ -39,7 +38,7 @@ def captures_of(*more: object, seed: int) -> FitProblem:
 
 
 def null_of(problem: FitProblem, model: NoiseModel) -> FittedModel:
-    return FittedModel(problem, start(problem, model, free_parameters(model)))
+    return FittedModel(problem, start(problem, model))
 
 
 def halves(problem: FitProblem):

@@ -12,7 +12,6 @@ from dnanalyze.diagnosis.gains import trial_of
 from dnanalyze.diagnosis.predictive_check import REPLICATES, FittedModel
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.level import MEAN
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import start
@@ -40,7 +39,7 @@ def problem() -> FitProblem:
 
 
 def _null(problem: FitProblem, model: NoiseModel) -> FittedModel:
-    return FittedModel(problem, start(problem, model, free_parameters(model)))
+    return FittedModel(problem, start(problem, model))
 
 
 def with_misfits(null: FittedModel, train: np.ndarray, test: np.ndarray) -> FittedModel:

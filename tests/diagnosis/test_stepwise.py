@@ -16,7 +16,6 @@ from dnanalyze.diagnosis.stepwise import Search, choose, reduced, supported, swa
 from dnanalyze.fitting import design as designs
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import carried, start
@@ -43,7 +42,7 @@ def fitted(problem, *effects):
     model = baseline_model(problem)
     for effect in effects:
         model = model.with_effect(effect)
-    return converge(problem, start(problem, model, free_parameters(model)))
+    return converge(problem, start(problem, model))
 
 
 @pytest.fixture(scope="module")

@@ -44,11 +44,11 @@ def test_the_last_bits_of_linear_algebra_do_not_choose_the_path(monkeypatch):
     """Libraries that solve the same equations differ by some 1e-13; the models must not."""
     problem, begun = small.fit_problem_of(), replace(small.model(), pedestal=60.0)
     exact, rng = np.linalg.solve, np.random.default_rng(4)
-    ended = minimise(problem, start(problem, begun, free_parameters(begun)), iterations=3)
+    ended = minimise(problem, start(problem, begun), iterations=3)
     monkeypatch.setattr(
         np.linalg, "solve", lambda a, b: exact(a, b) * (1 + 1e-13 * rng.normal(size=b.shape))
     )
-    again = minimise(problem, start(problem, begun, free_parameters(begun)), iterations=3)
+    again = minimise(problem, start(problem, begun), iterations=3)
     assert again.model == ended.model != begun
     np.testing.assert_array_equal(again.train, ended.train)
 

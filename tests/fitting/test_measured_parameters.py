@@ -7,7 +7,6 @@ from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.diagnosis.refine import add_on
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit_on, paper_start
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.measured_parameters import at_measured_parameters, measured_parameters
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.readings import Readings
@@ -55,7 +54,7 @@ def guessed(captures):
     """First guesses beside the model of the first fit."""
     problem = fit_problem(design(captures))
     model = paper_start(problem)
-    return PeriodicPattern.guess(Residual(problem, start(problem, model, free_parameters(model))))
+    return PeriodicPattern.guess(Residual(problem, start(problem, model)))
 
 
 def test_a_guess_has_both_lines_of_the_captures_or_the_stronger(tmp_path):
