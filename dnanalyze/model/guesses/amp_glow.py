@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.amp_glow import PLACES, AmpGlow, glow
@@ -42,8 +41,7 @@ def guess(effect: type[AmpGlow], clues: Clues) -> list[Effect]:
         fitted = hints.thermal_fit(clues, heights / hints.exposure_and_gain(clues), 0.0)
         if fitted is not None:
             height, ea = fitted
-            values = clip(effect, amplitude=height, length=length, ea_ev=ea)
-            guesses.append(effect(**values, location=place))
+            guesses.append(effect.within(amplitude=height, length=length, ea_ev=ea, location=place))
     return guesses
 
 

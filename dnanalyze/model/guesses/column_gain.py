@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.column_gain import ColumnGain
@@ -25,4 +24,4 @@ def guess(effect: type[ColumnGain], clues: Clues) -> list[Effect]:
     flat, slope = np.linalg.lstsq(design, variance, rcond=None)[0]
     if slope * signal2.max() <= max(flat, 0.0):
         return []
-    return [effect(bounded(effect, "sigma", math.sqrt(slope)))]
+    return [effect.within(sigma=math.sqrt(slope))]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
@@ -30,7 +29,7 @@ def guess(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
         guesses += _grown(effect, clues, rare.amplitude, [rare.share])
     if shows(clues, ("pattern_steps",)):
         z = np.nan_to_num(clues.z("pattern_steps"))
-        spacing = np.asarray(clues.measured("pattern_step_dn"), float)
+        spacing = clues.measured("pattern_step_dn")
         guesses += _grown(effect, clues, np.where(z > SIGN, spacing, np.nan), [0.1, 0.5, 2.0])
     return guesses
 
@@ -59,7 +58,7 @@ def _grown(
     amplitude = spacing / hints.exposure_and_gain(clues)
     fits = [hints.thermal_fit(clues, amplitude, ea_ev) for ea_ev in (METALS, USUAL)]
     return [
-        effect(**clip(effect, step=fit[0], mean_number=n, ea_ev=fit[1]))
+        effect.within(step=fit[0], mean_number=n, ea_ev=fit[1])
         for fit in dict.fromkeys(fits)
         if fit is not None
         for n in numbers

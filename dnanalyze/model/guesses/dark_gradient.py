@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_gradient import DarkGradient
@@ -27,8 +25,7 @@ def guess(effect: type[DarkGradient], clues: Clues) -> list[Effect]:
     shortest exposures.
     """
     waits = _waits(clues) if shows(clues, ("shading_0_1", "pattern_rows_0_0.02")) else None
-    ramp: dict[str, Any] = clip(effect, **(waits or {}))
-    return [*_surfaces(effect, clues), *([effect(**ramp)] if ramp else [])]
+    return [*_surfaces(effect, clues), *([effect.within(**waits)] if waits else [])]
 
 
 def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
@@ -47,15 +44,12 @@ def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
     significant = np.abs(raw[best]) >= min(NOTICEABLE * errors[best], np.abs(raw[best]).max())
     terms = over_frame(significant * fits[best] / size[best] * height, clues)
     values = dict(zip(TERMS, terms, strict=True))
-    inside: dict[str, Any] = clip(effect, **values, ea_ev=ea)
-    added = effect(**inside)
+    added = effect.within(**values, ea_ev=ea)
     shares = _slopes(clues, raw)
     if shares is None:
         return [added]
-    share: dict[str, Any] = clip(
-        effect, **dict(zip(TERMS, over_frame(significant * shares, clues), strict=True))
-    )
-    return [added, effect(**share, form="scaled")]
+    share = dict(zip(TERMS, over_frame(significant * shares, clues), strict=True))
+    return [added, effect.within(**share, form="scaled")]
 
 
 def _slopes(clues: Clues, fits: np.ndarray) -> np.ndarray | None:

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_shading import DarkShading
@@ -42,4 +41,4 @@ def guess(effect: type[DarkShading], clues: Clues) -> list[Effect]:
     seen = np.array([shows(clues, [name], 1, 1.5) for name in named("pattern_psd", BANDS)], float)
     frequency = np.array([centre(band) for band in BANDS])
     alpha = power_law(frequency, power, seen)[1] or 3.0
-    return [effect(**clip(effect, rms=math.sqrt(slope), alpha=alpha))]
+    return [effect.within(rms=math.sqrt(slope), alpha=alpha)]

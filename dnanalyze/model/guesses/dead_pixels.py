@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dead_pixels import DeadPixels
@@ -17,7 +16,7 @@ def guess(effect: type[DeadPixels], clues: Clues) -> list[Effect]:
     """The share of pixels that do not rise with the level from the lowest to the highest."""
     if not shows(clues, effect.fingerprint, 0):
         return []
-    level = np.asarray(clues.measured("mean"), float)
+    level = clues.measured("mean")
     good = np.flatnonzero(np.isfinite(level))
     if good.size < 2:
         return []
@@ -30,4 +29,4 @@ def guess(effect: type[DeadPixels], clues: Clues) -> list[Effect]:
     summed = np.cumsum(n)
     middle = np.interp(0.5 * summed[-1], summed, x)
     share = float(np.sum(n[x < middle - LACKS * rise]) / summed[-1])
-    return [effect(bounded(effect, "fraction", share))] if share > 0 else []
+    return [effect.within(fraction=share)] if share > 0 else []

@@ -36,7 +36,7 @@ def guess(effect: type[DigitalGain], clues: Clues) -> list[Effect]:
     gain = _best_gain(counts, first)
     if gain is None:
         return []
-    level = np.asarray(clues.measured("mean"), float)
+    level = clues.measured("mean")
     level = level[np.isfinite(level)]
     offset = _offset(counts, first, gain, round(float(level.min())) if level.size else 0)
     return [effect(bounded(effect, "gain", gain), bounded(effect, "offset", offset), _top(clues))]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.electron_multiplication import ElectronMultiplication
@@ -41,15 +40,15 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
     ratio = float(min(skewed / slope**2, 1.9))
     if 1.0 / CUMULANT_RATIO < ratio < CUMULANT_RATIO:
         return []
-    guesses: list[Effect] = [effect(**clip(effect, excess=HIGH_GAIN))]
+    guesses: list[Effect] = [effect.within(excess=HIGH_GAIN)]
     if ratio < CUMULANT_RATIO:
         return guesses
     factor = round(1.0 / (2.0 - ratio), 3)
     if factor != HIGH_GAIN:
-        guesses.append(effect(**clip(effect, excess=factor)))
+        guesses.append(effect.within(excess=factor))
     induced = HIGH_GAIN * float(mean[good].min() + zero / skewed) / slope
     if induced > MUCH:
-        guesses.append(effect(**clip(effect, excess=HIGH_GAIN, induced=induced)))
+        guesses.append(effect.within(excess=HIGH_GAIN, induced=induced))
     return guesses
 
 
@@ -60,7 +59,7 @@ def third_cumulant(clues: Clues, setting: int) -> float:
     """
     single = _moments(histogram(clues, "histogram", setting))
     stack = _moments(histogram(clues, "pattern_hist", setting))
-    noise = float(np.asarray(clues.measured("temporal_noise"), float)[setting]) ** 2
+    noise = float(clues.measured("temporal_noise")[setting]) ** 2
     if single is None or stack is None or not noise > 0:
         return float("nan")
     part = min(max(1.0 - (single[0] - stack[0]) / noise, 0.0), 0.5)  # 1/F

@@ -31,7 +31,7 @@ def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float =
     At one setting by ``level``, or at all of them together by as much (Stouffer's sum).
     """
     for name in names:
-        z = np.asarray(clues.z(name), float)
+        z = clues.z(name)
         z = z[np.isfinite(z)]
         together = z.sum() / np.sqrt(max(z.size, 1))
         z = np.append(z, together)
@@ -42,7 +42,7 @@ def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float =
 
 def excess(clues: Clues, name: str) -> np.ndarray:
     """Measured minus simulated, one a setting, plain units; NaN where either is absent."""
-    return np.asarray(clues.measured(name), float) - np.asarray(clues.simulated(name), float)
+    return clues.measured(name) - clues.simulated(name)
 
 
 def band_excess(clues: Clues, prefix: str, bands: Sequence[str] = LINE_BANDS) -> np.ndarray:
@@ -94,7 +94,7 @@ def white_line_sigma(clues: Clues, prefix: str, length: int) -> float:
     tells little of what is at all frequencies, and may have too much of it.
     """
     power = band_excess(clues, prefix)
-    z = np.stack([np.asarray(clues.z(name), float) for name in named(prefix, LINE_BANDS)])
+    z = np.stack([clues.z(name) for name in named(prefix, LINE_BANDS)])
     with np.errstate(invalid="ignore", divide="ignore"):
         weight = (z / power) ** 2  # of a power in units of its standard deviation
         weight = np.where(np.isfinite(weight), weight, 0.0)
@@ -126,7 +126,7 @@ def over_signal(clues: Clues, values: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
     None where the level hardly tells: fewer than two settings, or all alike.
     """
-    level = np.asarray(clues.measured("mean"), float)
+    level = clues.measured("mean")
     good = np.isfinite(level) & np.isfinite(values).all(axis=tuple(range(values.ndim - 1)))
     if good.sum() < 2 or np.ptp(level[good]) <= 0:
         return None
@@ -135,7 +135,7 @@ def over_signal(clues: Clues, values: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 def strongest(clues: Clues, names: Iterable[str]) -> int | None:
     """The setting in which one of the statistics is farthest off the model; None: none has any."""
-    z = np.stack([np.abs(np.asarray(clues.z(name), float)) for name in names])
+    z = np.stack([np.abs(clues.z(name)) for name in names])
     z = np.where(np.isfinite(z), z, -1.0).max(axis=0)
     return int(np.argmax(z)) if z.size and z.max() >= 0 else None
 

@@ -24,7 +24,7 @@ from dnanalyze.model.guesses.evidence import (
 def guess(effect: type[FlickerFpn], clues: Clues) -> list[Effect]:
     """A power law through the unexplained axis-masked power."""
     prefix = "pattern_psd"
-    if not np.any(np.isfinite(np.asarray(clues.measured("pattern_psd_0.04_0.08"), float))):
+    if not np.any(np.isfinite(clues.measured("pattern_psd_0.04_0.08"))):
         prefix = "frame_psd"
     if not shows(clues, named(prefix, BANDS[:5])):
         return []
@@ -33,13 +33,10 @@ def guess(effect: type[FlickerFpn], clues: Clues) -> list[Effect]:
     guesses: list[Effect] = []
     offset = _law(np.array([typical(row) for row in excess]), seen, clues.shape)
     if offset is not None:
-        guesses.append(
-            effect(bounded(effect, "rms", offset[0]), bounded(effect, "alpha", offset[1]))
-        )
+        guesses.append(effect.within(rms=offset[0], alpha=offset[1]))
     share = _law(_shares(clues, excess), seen, clues.shape)
     if share is not None and share[0] < 1.0:
-        rms, alpha = bounded(effect, "rms", share[0]), bounded(effect, "alpha", share[1])
-        guesses.append(effect(rms, alpha, "scaled"))
+        guesses.append(effect.within(rms=share[0], alpha=share[1], form="scaled"))
     return guesses
 
 

@@ -42,8 +42,8 @@ def guess(effect: type[FlickerNoise], clues: Clues) -> list[Effect]:
     if cut is not None:
         constant, alpha, cutoff = cut
         alpha = bounded(effect, "alpha", alpha)
-        rms = bounded(effect, "rms", _rms(rows * columns, constant, alpha, cutoff))
-        guesses.insert(0, effect(rms, alpha, cutoff=bounded(effect, "cutoff", cutoff)))
+        rms = _rms(rows * columns, constant, alpha, cutoff)
+        guesses.insert(0, effect.within(rms=rms, alpha=alpha, cutoff=cutoff))
     middle, high = (names.index(f"temporal_u_{b}") for b in _ALONG_ROW[-2:])
     # of one chain the power falls with the frequency; of two that at u is that at 1/2 - u too
     if significant[high] and power[high] > power[middle]:

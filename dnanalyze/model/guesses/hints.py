@@ -14,7 +14,7 @@ def unexplained_sigma(clues: Clues, name: str) -> float | None:
 
     The median over the settings where it lacks any; where it lacks none, most of the least of all.
     """
-    measured, simulated = (np.asarray(of(name), float) for of in (clues.measured, clues.simulated))
+    measured, simulated = (of(name) for of in (clues.measured, clues.simulated))
     lost = (measured**2 - simulated**2) / gains(clues) ** 2
     good = lost[np.isfinite(lost) & (lost > 0)]
     if good.size:
@@ -45,8 +45,8 @@ def gains(clues: Clues) -> np.ndarray:
 
 def photon_transfer(clues: Clues) -> tuple[np.ndarray, np.ndarray]:
     """Mean level and temporal variance at the reference gain, DN and DN^2, one a setting."""
-    mean = np.asarray(clues.measured("mean"), float) / gains(clues)
-    return mean, (np.asarray(clues.measured("temporal_noise"), float) / gains(clues)) ** 2
+    mean = clues.measured("mean") / gains(clues)
+    return mean, (clues.measured("temporal_noise") / gains(clues)) ** 2
 
 
 def thermal_growth(clues: Clues, ea_ev: np.ndarray) -> np.ndarray:

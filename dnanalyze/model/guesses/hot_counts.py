@@ -102,7 +102,7 @@ def _typical(clues: Clues) -> HotSignal | None:
 
 def _sigma(clues: Clues) -> np.ndarray:
     """Robust sigma of the pattern, DN, one a setting; of a frame where there is but one."""
-    sigma = np.asarray(clues.measured("pattern_noise_core"), float)
+    sigma = clues.measured("pattern_noise_core")
     return np.where(np.isfinite(sigma), sigma, clues.measured("frame_noise_core"))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.hot_pixels import HotPixels
@@ -29,7 +28,7 @@ def _narrow(effect: type[HotPixels], clues: Clues) -> list[Effect]:
     if fitted is None:
         return []
     numbers = {"fraction": peak.share, "scale": fitted[0], "ea_ev": fitted[1], "width": peak.width}
-    return [effect(**clip(effect, **numbers), law="narrow")]
+    return [effect.within(**numbers, law="narrow")]
 
 
 def _spread(effect: type[HotPixels], clues: Clues) -> list[Effect]:

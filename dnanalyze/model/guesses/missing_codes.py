@@ -22,8 +22,8 @@ def guess(effect: type[MissingCodes], clues: Clues) -> list[Effect]:
     """Sigma from the roughness of the histogram; periods near a power of two are tried too."""
     if not shows(clues, effect.fingerprint):
         return []
-    rough = np.asarray(clues.measured("code_roughness"), float)
-    base = np.nan_to_num(np.asarray(clues.simulated("code_roughness"), float))
+    rough = clues.measured("code_roughness")
+    base = np.nan_to_num(clues.simulated("code_roughness"))
     sigma = math.sqrt(typical_positive(rough**2 - base**2))
     sigma = bounded(effect, "sigma", sigma or 0.1)
     guesses: list[Effect] = [effect(sigma)]
@@ -40,7 +40,7 @@ def _periodic(clues: Clues, sigma: float) -> list[Effect]:
     """
     widths = code_widths(_histograms(clues), PERIODS)
     if not widths:
-        period = typical_positive(np.asarray(clues.measured("code_comb_period"), float))
+        period = typical_positive(clues.measured("code_comb_period"))
         turns = {p: p / period for p in PERIODS} if period else {}  # a harmonic may be strongest
         fits = [p for p, n in turns.items() if n > 0.9 and abs(n - round(n)) < 0.08]
         return [MissingCodes(sigma, "periodic", p) for p in fits[:2]]

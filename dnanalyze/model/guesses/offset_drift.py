@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.offset_drift import OffsetDrift
@@ -22,8 +21,8 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     """
     if not shows(clues, effect.fingerprint):
         return []
-    spread2 = np.asarray(clues.measured("drift"), float) ** 2
-    spread2 = spread2 - np.nan_to_num(np.asarray(clues.simulated("drift"), float)) ** 2
+    spread2 = clues.measured("drift") ** 2
+    spread2 = spread2 - np.nan_to_num(clues.simulated("drift")) ** 2
     means = [curve(clues, "frame_means", i) for i in range(len(clues.points))]
     frames = max([len(m) for m in means if m is not None], default=4)
     frames = max(frames, 2)
@@ -33,18 +32,17 @@ def guess(effect: type[OffsetDrift], clues: Clues) -> list[Effect]:
     least = effect.parameters()["step"].lower
     guesses: list[Effect] = []
     for form, size in sizes.items():
-        guesses.append(effect(bounded(effect, "step", walk * size), form=form))
+        guesses.append(effect.within(step=walk * size, form=form))
         if white:
-            guesses.insert(0, effect(least, white=bounded(effect, "white", size), form=form))
+            guesses.insert(0, effect.within(step=least, white=size, form=form))
     jumps = np.array([_jump(m) for m in means if m is not None and len(m) >= 4])
     if jumps.size and abs(np.sign(jumps).sum()) > 0.6 * jumps.size:
-        small = bounded(effect, "step", 0.1 * (walk * added))
-        guesses.insert(0, effect(small, bounded(effect, "transient", float(np.median(jumps)))))
+        step = 0.1 * (walk * added)
+        guesses.insert(0, effect.within(step=step, transient=np.median(jumps)))
     share = _share(clues, means)
     if share is not None:
-        step = bounded(effect, "step", 0.1 * abs(share))
         start = share / (1.0 - math.exp(-1.0 / effect.settling))
-        guesses.append(effect(step, bounded(effect, "transient", start), form="scaled"))
+        guesses.append(effect.within(step=0.1 * abs(share), transient=start, form="scaled"))
     return guesses
 
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.offset_gradient import OffsetGradient
@@ -34,5 +31,4 @@ def guess(effect: type[OffsetGradient], clues: Clues) -> list[Effect]:
     if not significant.any():
         return []
     terms = over_frame(significant * mean, clues)
-    values: dict[str, Any] = clip(effect, **dict(zip(TERMS, terms, strict=True)))
-    return [effect(**values)]
+    return [effect.within(**dict(zip(TERMS, terms, strict=True)))]

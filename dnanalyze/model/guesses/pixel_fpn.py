@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
@@ -22,4 +21,4 @@ def guess(effect: type[PixelFpn], clues: Clues) -> list[Effect]:
     if not np.isfinite(clues.measured(name)).any():
         name = "frame_noise_core"
     sigma = hints.unexplained_sigma(clues, name)
-    return [] if sigma is None else [effect(**clip(effect, sigma=sigma))]
+    return [] if sigma is None else [effect.within(sigma=sigma)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.read_noise import ReadNoise
@@ -15,4 +14,4 @@ def guess(effect: type[ReadNoise], clues: Clues) -> list[Effect]:
     if not shows(clues, effect.fingerprint):
         return []
     sigma = hints.unexplained_sigma(clues, "temporal_noise_core")
-    return [] if sigma is None else [effect(**clip(effect, sigma=sigma))]
+    return [] if sigma is None else [effect.within(sigma=sigma)]

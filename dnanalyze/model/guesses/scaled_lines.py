@@ -14,7 +14,7 @@ from dnanalyze.model.guesses import hints
 
 def guess(effect: type[ScaledLines], clues: Clues) -> list[Effect]:
     """The lines whose offset grows with the level, and its growth over that of the level."""
-    level = np.asarray(clues.measured("mean"), float) / hints.gains(clues)
+    level = clues.measured("mean") / hints.gains(clues)
     if np.isfinite(level).sum() < 2:
         return []
     low, high = int(np.nanargmin(level)), int(np.nanargmax(level))

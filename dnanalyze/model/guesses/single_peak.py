@@ -41,7 +41,7 @@ def single_peak(clues: Clues) -> Peak | None:
     """
     if not shows(clues, [f"hot_count_{k}" for k in (5, 8, 16)]):
         return None
-    sigma = np.asarray(clues.measured("pattern_noise_core"), float)
+    sigma = clues.measured("pattern_noise_core")
     amplitude = np.full(sigma.size, np.nan)
     shares, widths = [], []
     for setting in range(sigma.size):

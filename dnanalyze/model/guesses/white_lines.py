@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.guesses.evidence import shows, white_line_sigma
@@ -18,4 +17,4 @@ def guess(effect: type[Effect], clues: Clues) -> list[Effect]:
     layer, axis, *_ = effect.fingerprint[0].split("_")
     length = clues.shape[1 if axis == "rows" else 0]
     sigma = white_line_sigma(clues, f"{layer}_{axis}", length)
-    return [effect(bounded(effect, "sigma", sigma))]  # type: ignore[call-arg]
+    return [effect.within(sigma=sigma)]
