@@ -38,9 +38,7 @@ def _diagonals(seen: Layers, maps: list[Layer], layer: Layer, slant: str) -> Est
     sizes = [_realised(means(m) / m.kept, m.scatter / m.kept**2 / count[used]) for m in maps]
     effect = CompositeEffect(where="diagonal", slant=slant)
     price = 2.0 * math.log(int(used.sum()))
-    return Estimate(
-        effect, {}, gain, price, _squares(sizes), gain / layer.map.size, elements=int(used.sum())
-    )
+    return Estimate(effect, {}, gain, price, _squares(sizes), elements=int(used.sum()))
 
 
 def _blocks(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import optimize
@@ -63,8 +63,6 @@ class Estimate:
         What its numbers cost: ln n each, n the pixels or values that it is estimated from.
     sizes : Sizes
         Over the operating points.
-    share : float
-        Part of the residual variance of its layer that it explains.
     elements : int
         Fixed elements that drew a value each once, for all operating points; 0 without such.
     """
@@ -74,8 +72,7 @@ class Estimate:
     explained: float
     price: float
     sizes: Sizes
-    share: float = 0.0
-    chance: float = field(default=0.0)
+    chance: float = 0.0
     elements: int = 0
 
     @property

@@ -33,8 +33,6 @@ class Layer:
         (rows, columns), DN, of mean about 0, hot pixels cut.
     noise : float
         Standard deviation of a pixel, DN, robust.
-    point : OperatingPoint
-        Where.
     kept : float
         Share of the pixels that were not cut: a pattern is lost in the others, and its size in the
         map is smaller by this factor.
@@ -42,7 +40,6 @@ class Layer:
 
     map: np.ndarray
     noise: float
-    point: OperatingPoint
     kept: float = 1.0
 
     @cached_property
@@ -103,7 +100,7 @@ class Taken:
         rest = (mean - np.median(mean)).astype(float)
         noise = robust(rest)
         kept = float(np.mean(np.abs(rest) < CLIP * noise))
-        return Layer(np.clip(rest, -CLIP * noise, CLIP * noise), noise, self.point, kept)
+        return Layer(np.clip(rest, -CLIP * noise, CLIP * noise), noise, kept)
 
     def line_variances(self, axis: int) -> np.ndarray:
         """Mean temporal variance of the rows (axis 1) or columns (0), DN^2.
@@ -122,7 +119,7 @@ class Taken:
         found = self.frames.var(axis=0, ddof=1, dtype=float)
         middle, noise = float(np.median(found)), robust(found)
         cut = np.minimum(found, middle + CERTAIN * noise)
-        return Layer(cut - cut.mean(), float(cut.std()), self.point)
+        return Layer(cut - cut.mean(), float(cut.std()))
 
 
 @dataclass(frozen=True)
@@ -228,4 +225,4 @@ def together(maps: Sequence[Layer], growth: np.ndarray) -> Layer:
     made = sum(w * m.map for w, m in zip(weight, maps, strict=True)) / max(total, 1e-300)
     assert isinstance(made, np.ndarray)
     noise = robust(made)
-    return Layer(np.clip(made, -CLIP * noise, CLIP * noise) / noise, 1.0, maps[0].point)
+    return Layer(np.clip(made, -CLIP * noise, CLIP * noise) / noise, 1.0)

@@ -12,14 +12,15 @@ from scipy import fft, optimize
 from dnanalyze.description.found import Estimate, Sizes
 from dnanalyze.description.layers import Layer, Layers, together
 from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.significance import CERTAIN
 
 TILES = 4  # a side, in which rings about a far centre are plane waves
 ENOUGH = 16_384  # pixels of the map from which the first steps look for a geometry
 LEAST_CYCLES = 2.5  # over the field: below that a wave is shading
 PERIOD_SCATTER = 0.2  # relative scatter of the period over tiles that are of one wave
 NEAR_TILES = 5  # that must agree: a chance peak agrees in none
-# Powers of 4 x 4 tiles are a chi square of 32 by chance: mean 32, standard deviation 8; six such.
-PLAIN = 80.0
+# Powers of 4 x 4 tiles are a chi square of 32 by chance: mean 32, standard deviation 8
+PLAIN = 2.0 * TILES**2 + CERTAIN * 2.0 * TILES
 ENVELOPES = ("flat", "down", "up", "right", "left")
 Maps = list[Layer]
 Angle = Callable[..., np.ndarray]  # of the geometry, of every n-th pixel
@@ -190,10 +191,8 @@ def _estimate(
         squares=what == "noise",
     )
     price = (2 + len(values)) * math.log(layer.map.size)
-    share = best / float(np.sum(layer.map**2))
-    return Estimate(
-        CompositeEffect(**given), dict(zip(names, errors, strict=True)), best, price, sizes, share
-    )
+    own = dict(zip(names, errors, strict=True))
+    return Estimate(CompositeEffect(**given), own, best, price, sizes)
 
 
 def _ramp(name: str, seen: Layers) -> np.ndarray | float:

@@ -12,11 +12,10 @@ from dnanalyze.analyzers.estimators.saturation import saturation
 from dnanalyze.detection import evidence_cache
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import SATURATED, VIEWS, ViewEvidence, gather, listed
-from dnanalyze.detection.reasons import reason
 from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
-from dnanalyze.detection.verdict import FINE, TestResult, ask, decide
+from dnanalyze.detection.verdict import FINE, TestResult, ask, decide, reason
 from dnanalyze.executors import in_order
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.progress import Progress

@@ -11,7 +11,7 @@ import numpy as np
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.selection import TOLERABLE
 from dnanalyze.fitting.design import MOST_SETTINGS
-from dnanalyze.fitting.linear_step import linear_step
+from dnanalyze.fitting.least_squares import linear_step
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.fitting.yardstick import REPLICATES, measured_by

@@ -18,6 +18,7 @@ from dnanalyze.fitting.free_parameters import FreeParameter, positions, with_val
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import STIFF, State, beyond, root_weights, stiff, unseen
 from dnanalyze.fitting.ties import misfits
+from dnanalyze.fitting.vectors import Target
 
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
 KEPT = 4 / 3  # factor within which a step takes off what true derivatives promise
@@ -197,3 +198,37 @@ def _broyden(jacobian: np.ndarray, change: np.ndarray, step: np.ndarray) -> np.n
     if norm == 0:
         return jacobian
     return jacobian + np.outer(change - jacobian @ step, step) / norm
+
+
+def linear_step(
+    state: State, fitted: Target, held_out: Target, train: np.ndarray, test: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Misfits after the step of the parameters that lowers those on the fitted half.
+
+    The derivatives are those of the state: all sensors of one design share them.
+
+    Parameters
+    ----------
+    state : State
+    fitted, held_out : Target
+        The two halves.
+    train, test : ndarray
+        Misfits on either, in reproducibility SDs, (sensors, statistics).
+    """
+    jacobian = np.nan_to_num(state.jacobian)  # what no fit has moved yet absorbs nothing
+    weights = [root_weights(z, state.weight) for z in train]
+    steps = [_first_step(jacobian * w[:, None], z * w) for z, w in zip(train, weights, strict=True)]
+    taken = np.reshape(steps, (len(train), jacobian.shape[1]))
+    elsewhere = fitted.derivatives_of(held_out, jacobian)
+    return train + taken @ jacobian.T, test + taken @ elsewhere.T
+
+
+def _first_step(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The first step of a fit that lowers a step + b (Levenberg and Marquardt)."""
+    size = np.sqrt(np.sum(a**2, axis=0))
+    usable = size > 0.0
+    scaled = a[:, usable] / size[usable]
+    normal = scaled.T @ scaled + DAMPING * np.eye(scaled.shape[1])
+    step = np.zeros(size.size)
+    step[usable] = np.linalg.solve(normal, -scaled.T @ b) / size[usable]
+    return step
