@@ -25,10 +25,9 @@ from dnanalyze.diagnosis.selection import STANDS_IN, Trial, confidence_of
 from dnanalyze.diagnosis.stepwise import reduced, supported
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.fit import with_seed
+from dnanalyze.fitting.fit import baseline_model, starting_model
 from dnanalyze.fitting.from_part import fitted_in_time
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.measured_parameters import at_measured_parameters
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
@@ -228,11 +227,7 @@ def describe_on(
             "model: it already has the effect 'composite'; describe requires a model without it"
         )
     problem = problem or problem_of(captures, model, executor)
-    if model is None:
-        from dnanalyze.fitting.fit import baseline_model
-
-        model = baseline_model(problem)
-    begun = at_measured_parameters(problem, with_seed(problem, model, seed) or model)
+    begun = starting_model(problem, model or baseline_model(problem), seed)
     on_progress("fitting the model")
     state = fitted_in_time(problem.within(limit), begun)
     found = described(

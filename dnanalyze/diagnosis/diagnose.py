@@ -36,9 +36,8 @@ from dnanalyze.diagnosis.selection import (
 from dnanalyze.diagnosis.spread_law import in_words
 from dnanalyze.diagnosis.stepwise import choose, supported
 from dnanalyze.fitting.agreement import agreements
-from dnanalyze.fitting.fit import paper_start, with_seed
+from dnanalyze.fitting.fit import starting_model
 from dnanalyze.fitting.from_part import converge, fitted, fitted_in_time
-from dnanalyze.fitting.measured_parameters import at_measured_parameters
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
@@ -141,9 +140,7 @@ def diagnose_on(
     limit = TimeLimit.after(budget)
     problem = problem or problem_of(captures, model, executor)
     limited = problem.within(limit)
-    model = at_measured_parameters(
-        problem, with_seed(problem, model, seed) or paper_start(problem, exclude)
-    )
+    model = starting_model(problem, model, seed, exclude)
     known = known_effects(() if known is None else known)
     open_to = {name: effect for name, effect in known.items() if name not in exclude}
     so_far = SoFar()

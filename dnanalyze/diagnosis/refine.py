@@ -19,7 +19,7 @@ from dnanalyze.diagnosis.search_path import NO_LIMITS, Path, SearchLimits
 from dnanalyze.diagnosis.selection import STANDS_IN, confidence_of
 from dnanalyze.diagnosis.stepwise import Search, supported
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.fit import fit_on, paper_start, with_seed
+from dnanalyze.fitting.fit import fit_on, starting_model, with_seed
 from dnanalyze.fitting.from_part import converge, fitted_in_time
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.measured_parameters import at_measured_parameters
@@ -124,9 +124,7 @@ def refine_on(
     unlimited = problem or problem_of(captures, model, executor)
     problem = unlimited.within(limit)
     known = known_effects(() if known is None else known)
-    begun = at_measured_parameters(
-        unlimited, with_seed(unlimited, model, seed) or paper_start(unlimited, exclude)
-    )
+    begun = starting_model(unlimited, model, seed, exclude)
     open_to = {n: e for n, e in known.items() if n not in exclude}
     if first is not None:
         with suppress(TimeUp):

@@ -253,6 +253,17 @@ def with_seed(problem: FitProblem, model: NoiseModel | None, seed: int | None) -
     return replace(model or paper_start(problem), seed=seed)
 
 
+def starting_model(
+    problem: FitProblem, model: NoiseModel | None, seed: int | None, exclude: Sequence[str] = ()
+) -> NoiseModel:
+    """The model with which a search begins, directly measured parameters at their values.
+
+    As given, or that of `paper_start`.
+    """
+    begun = with_seed(problem, model, seed) or paper_start(problem, exclude)
+    return at_measured_parameters(problem, begun)
+
+
 def _check(frozen: Sequence[str], model: NoiseModel) -> None:
     """Every name is one of the model's."""
     valid = [PEDESTAL, *(f"{e.name}.{name}" for e in model.effects for name in e.parameters())]

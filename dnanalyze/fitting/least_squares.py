@@ -159,16 +159,8 @@ def _damped(
     grid = GRAIN / np.exp2(np.ceil(np.log2(np.where(usable, size, 1.0))))
     here = positions(state.model, state.free)
     step = np.zeros(len(here))
-    for _ in range(3):  # a parameter pushed against its bound is held there
-        scaled = a[:, usable] / size[usable]
-        normal = scaled.T @ scaled + damping * np.eye(int(usable.sum()))
-        slope = scaled.T @ b
-        if len(rest):
-            pressing = rows[:, usable] / size[usable]
-            normal, slope = normal + pressing.T @ pressing, slope + pressing.T @ rest
-        step[:] = 0
-        step[usable] = np.linalg.solve(normal, -slope) / size[usable]
-        step = grid * np.rint(step / grid)
+    for _ in range(3):  # a parameter pushed against its bound stays there
+        step = grid * np.rint(_marquardt(a, b, size, usable, damping, rows, rest) / grid)
         step = np.clip(step, *longest(state.free, here))
         held = np.array(
             [
@@ -224,11 +216,29 @@ def linear_step(
 
 
 def _first_step(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The first step of a fit that lowers a step + b (Levenberg and Marquardt)."""
-    size = np.sqrt(np.sum(a**2, axis=0))
-    usable = size > 0.0
+    """The first step of a fit that lowers a step + b."""
+    size = np.sqrt(np.sum(a * a, axis=0))
+    return _marquardt(a, b, size, size > 0.0, DAMPING)
+
+
+def _marquardt(
+    a: np.ndarray,
+    b: np.ndarray,
+    size: np.ndarray,
+    usable: np.ndarray,
+    damping: float,
+    rows: np.ndarray | None = None,
+    rest: Sequence[float] | np.ndarray = (),
+) -> np.ndarray:
+    """Step that lowers a step + b, and rows step + rest (Levenberg and Marquardt).
+
+    ``size``: norms of the columns of ``a``, by which they are scaled; ``usable``: those that move.
+    """
     scaled = a[:, usable] / size[usable]
-    normal = scaled.T @ scaled + DAMPING * np.eye(scaled.shape[1])
+    normal, slope = scaled.T @ scaled + damping * np.eye(scaled.shape[1]), scaled.T @ b
+    if rows is not None and len(rest):
+        pressing = rows[:, usable] / size[usable]
+        normal, slope = normal + pressing.T @ pressing, slope + pressing.T @ rest
     step = np.zeros(size.size)
-    step[usable] = np.linalg.solve(normal, -scaled.T @ b) / size[usable]
+    step[usable] = np.linalg.solve(normal, -slope) / size[usable]
     return step
