@@ -1,7 +1,7 @@
 """First guesses: what the statistics suggest for the parameters of each effect of the catalogue.
 
 One file an effect, of the effect's name, with ``guess(effect, clues)``, or one of several effects
-that are told alike; and what several lean on.
+with the same estimate; and what several use.
 """
 
 from __future__ import annotations
