@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+QUARTILES = (
+    1.349  # 2 Phi^-1(3/4): between the quartiles of a normal distribution, standard deviations
+)
 MAD = 1.4826  # 1 / Phi^-1(3/4): from the median absolute deviation to a normal standard deviation
 
 

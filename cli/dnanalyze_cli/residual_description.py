@@ -43,7 +43,6 @@ def describe_residual(
     if not done or result.model.get(CompositeEffect.name) is not None:
         return {}
     from dnanalyze.description.describe import described
-    from dnanalyze.fitting.free_parameters import free_parameters
     from dnanalyze.fitting.state import start
     from dnanalyze.fitting.time_limit import TimeLimit
     from dnanalyze.report.results.description import in_short
@@ -51,7 +50,7 @@ def describe_residual(
     left = min(MOST, session.remaining(budget) or MOST)
     with session.progress("Describing the unexplained residual") as progress:
         state = getattr(result, "state", None)
-        state = state or start(problem, result.model, free_parameters(result.model))
+        state = state or start(problem, result.model)
         limit = TimeLimit.after(left)
         found = described(captures, problem, state, known, limit, progress.now, rivals=False)
     session.print(in_short(found))

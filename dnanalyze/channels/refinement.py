@@ -18,8 +18,7 @@ from dnanalyze.diagnosis.search_path import NO_LIMITS, SearchLimits
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.fit import Parameters, fit_on, standard_errors
-from dnanalyze.fitting.free_parameters import free_parameters
+from dnanalyze.fitting.fit import Parameters, fit_on, uncertain
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import State, start
@@ -102,7 +101,7 @@ class ChannelRefinement(Result):
     @cached_property
     def parameters(self) -> Parameters:
         """The numbers of the model of all channels, with their standard errors."""
-        return standard_errors(self.problem, self.state)
+        return uncertain(self.problem, self.state).parameters
 
     @property
     def error(self) -> float:
@@ -271,7 +270,7 @@ def _joint(problem: FitProblem, models: Mapping[str, NoiseModel]) -> State:
     points = [p for p, _ in problem.plan.settings]
     celsius = sorted({p.temperature_c for p in points if p.temperature_c is not None})
     model = merged(models, celsius)
-    return minimise(problem, start(problem, model, free_parameters(model)), JOINT_ITERATIONS)
+    return minimise(problem, start(problem, model), JOINT_ITERATIONS)
 
 
 def _steps(made: Mapping[str, Refinement]) -> list[ChannelStep]:

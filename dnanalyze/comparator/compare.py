@@ -190,7 +190,7 @@ def paper_model(
 
 
 def error_of(problem: FitProblem, made: list[Statistics]) -> float:
-    """Error of simulated statistics on the judged half."""
+    """Error of simulated statistics on the held-out half."""
     return pooled(problem.test.z(prediction(made, 1, problem.test)), problem.test.families)
 
 
@@ -200,7 +200,7 @@ def table(problem: FitProblem, made: list[Statistics]) -> list[dict[str, Any]]:
 
 
 def rows_of(problem: FitProblem, simulated: np.ndarray) -> list[dict[str, Any]]:
-    """The rows of `table` from the coordinates predicted for the judged half."""
+    """The rows of `table` from the coordinates predicted for the held-out half."""
     known = infos()
     target = problem.test
     z = target.z(simulated)
@@ -213,10 +213,7 @@ def rows_of(problem: FitProblem, simulated: np.ndarray) -> list[dict[str, Any]]:
             {
                 "name": key.name,
                 "family": info.family,
-                "temperature_c": point.temperature_c,
-                "exposure_s": point.exposure_s,
-                "gain": point.gain,
-                "channel": point.channel,
+                **vars(point),  # temperature_c, exposure_s, gain, channel
                 "plane": key.plane,
                 "unit": info.unit,
                 "scale": str(info.scale),

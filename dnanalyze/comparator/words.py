@@ -11,10 +11,11 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo
+from dnanalyze.comparator.error import SATURATION
 from dnanalyze.digits import minus, number, unit_text
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.significance import NOTICEABLE
 
-NOTICEABLE = 4.0  # sigma
 RESOLVED_SHARE = 1e-6  # of another number, that the sums behind a statistic hardly resolve
 FEWEST = 0.5  # a count below it is none
 
@@ -45,7 +46,7 @@ def failures(rows: Sequence[dict[str, Any]], most: int = 12) -> list[str]:
 
 
 def _size(group: Sequence[dict[str, Any]]) -> float:
-    return float(np.sqrt(np.mean([min(abs(r["discrepancy"]), 1e4) ** 2 for r in group])))
+    return float(np.sqrt(np.mean([min(abs(r["discrepancy"]), SATURATION) ** 2 for r in group])))
 
 
 def _kind(name: str) -> str:

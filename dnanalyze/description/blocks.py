@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from dnanalyze.description.layers import Layers
+from dnanalyze.significance import CERTAIN
 
 MAX_BLOCK = 64  # pixels, the largest block
 SCALES = (1, 2, 4, 8)  # pixels across the axis, of which means are taken
-SIGNIFICANT = 6.0  # standard errors of the correlation within blocks
 
 
 def block_form(seen: Layers, maps: np.ndarray) -> tuple[int, int, int, int] | None:
@@ -71,7 +71,7 @@ def _period(lines: np.ndarray, first: int) -> tuple[float, tuple[int, int] | Non
     ]
     sums = [np.concatenate([[0.0], np.cumsum(x, dtype=float)]) for x in products]
     power = float(products[0].mean())
-    best, found = SIGNIFICANT**2, None
+    best, found = CERTAIN**2, None
     for size in range(2, most + 1):
         places = lines.shape[1] - size + 1
         square = np.zeros(places)

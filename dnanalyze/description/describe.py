@@ -19,17 +19,15 @@ from dnanalyze.description.nearest import Nearest, as_good, nearest
 from dnanalyze.description.search import by_chance, searched
 from dnanalyze.description.words import sentence
 from dnanalyze.diagnosis.explain import evidence_for
-from dnanalyze.diagnosis.gains import judged
+from dnanalyze.diagnosis.gains import trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.selection import STANDS_IN, Trial, confidence_of
 from dnanalyze.diagnosis.stepwise import reduced, supported
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.fit import with_seed
-from dnanalyze.fitting.free_parameters import free_parameters
+from dnanalyze.fitting.fit import baseline_model, starting_model
 from dnanalyze.fitting.from_part import fitted_in_time
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.measured_parameters import at_measured_parameters
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
@@ -229,11 +227,7 @@ def describe_on(
             "model: it already has the effect 'composite'; describe requires a model without it"
         )
     problem = problem or problem_of(captures, model, executor)
-    if model is None:
-        from dnanalyze.fitting.fit import baseline_model
-
-        model = baseline_model(problem)
-    begun = at_measured_parameters(problem, with_seed(problem, model, seed) or model)
+    begun = starting_model(problem, model or baseline_model(problem), seed)
     on_progress("fitting the model")
     state = fitted_in_time(problem.within(limit), begun)
     found = described(
@@ -243,12 +237,14 @@ def describe_on(
         return found
     on_progress("training a classifier")
     final = found.model
-    told = classify_on(captures, final, seed=final.seed, limit=limit, helpers=problem.helpers)
-    found = replace(found, classification=told)
+    classification = classify_on(
+        captures, final, seed=final.seed, limit=limit, helpers=problem.helpers
+    )
+    found = replace(found, classification=classification)
     if found.effect is not None:
-        return replace(found, after="unexplained") if told.tells else found
+        return replace(found, after="unexplained") if classification.tells else found
     if (
-        told.tells
+        classification.tells
         or not FittedModel.of(problem, state).adequate
         or departures(problem.plan, state.model)
     ):
@@ -304,16 +300,16 @@ def _judged(
         for one in _best_of_layers(found)[:MAX_LAYERS]:
             on_progress(f"refitting with {one.effect.where}")
             larger = state.model.with_effect(one.effect)
-            begun = start(limited, larger, free_parameters(larger), like=state)
+            begun = start(limited, larger, like=state)
             ended = minimise(limited, begun, REFIT_STEPS)
-            tried.append((one, judged(null, CompositeEffect.name, ended)))
+            tried.append((one, trial_of(null, CompositeEffect.name, ended)))
     except TimeUp:
         finished = False
     if not tried:
-        told = _without(
+        without = _without(
             captures, problem, state, "possible", sentence(found[0], seen, state.model.reference)
         )
-        return replace(told, effect=found[0].effect, look=look(found[0], seen), finished=False)
+        return replace(without, effect=found[0].effect, look=look(found[0], seen), finished=False)
     best, trial = max(tried, key=lambda pair: pair[1].evidence)
     certain = supported(null, [trial]) is not None
     sure = confidence_of(trial, [trial])

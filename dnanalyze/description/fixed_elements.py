@@ -8,12 +8,9 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.description.blocks import block_form, block_means
-from dnanalyze.description.found import Estimate, Sizes
-from dnanalyze.description.layers import Layer, Layers, together
-from dnanalyze.description.random_size import random_size
+from dnanalyze.description.found import Estimate, Sizes, random_size
+from dnanalyze.description.layers import GRID, Layer, Layers, coarse, together
 from dnanalyze.model.composite.effect import CompositeEffect
-
-GRID = 16  # blocks a side, over which steps are told from shading
 
 
 def fixed_elements(seen: Layers, maps: list[Layer], growth: np.ndarray) -> list[Estimate]:
@@ -41,9 +38,7 @@ def _diagonals(seen: Layers, maps: list[Layer], layer: Layer, slant: str) -> Est
     sizes = [_realised(means(m) / m.kept, m.scatter / m.kept**2 / count[used]) for m in maps]
     effect = CompositeEffect(where="diagonal", slant=slant)
     price = 2.0 * math.log(int(used.sum()))
-    return Estimate(
-        effect, {}, gain, price, _squares(sizes), gain / layer.map.size, elements=int(used.sum())
-    )
+    return Estimate(effect, {}, gain, price, _squares(sizes), elements=int(used.sum()))
 
 
 def _blocks(
@@ -66,14 +61,9 @@ def _seams(seen: Layers, maps: list[Layer], growth: np.ndarray) -> list[Estimate
     """Steps between quadrants or halves, beyond what a surface of the second order explains."""
     if min(maps[0].map.shape) < 4 * GRID or min(seen.window.shape) < 0.9 * min(seen.shape):
         return []
-    rows, columns = (n // GRID for n in maps[0].map.shape)
-
-    def grid(m: np.ndarray) -> np.ndarray:
-        cut = m[: rows * GRID, : columns * GRID].reshape(GRID, rows, GRID, columns)
-        return np.asarray(cut.mean(axis=(1, 3))).ravel()
-
+    pixels = math.prod(n // GRID for n in maps[0].map.shape)
     row, column = np.broadcast_arrays(seen.row + 0.0, seen.column + 0.0)
-    y, x = grid(row) / seen.shape[0] - 0.5, grid(column) / seen.shape[1] - 0.5
+    y, x = (coarse(m).ravel() / n - 0.5 for m, n in zip((row, column), seen.shape, strict=True))
     smooth = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
     side_y, side_x = np.sign(y), np.sign(x)
     steps = {
@@ -84,19 +74,20 @@ def _seams(seen: Layers, maps: list[Layer], growth: np.ndarray) -> list[Estimate
     found = []
     layer = together(maps, growth)
     for name, step in steps.items():
-        gain = 0.0
         both = np.hstack([smooth, step])
-        data = grid(layer.map)
+        data = coarse(layer.map).ravel()
         rest = data - smooth @ np.linalg.lstsq(smooth, data, rcond=None)[0]
         left = data - both @ np.linalg.lstsq(both, data, rcond=None)[0]
-        noise = max(float(left @ left) / (data.size - both.shape[1]), 1.0 / (rows * columns))
+        noise = max(float(left @ left) / (data.size - both.shape[1]), 1.0 / pixels)
         gain = float(rest @ rest - left @ left) / noise
         # two or four values: their signs and sizes are numbers of this sensor, no random draw
         way = np.linalg.lstsq(both, data, rcond=None)[0][6:]
         way = way / max(float(np.linalg.norm(way)), 1e-300)
         inverse = np.linalg.pinv(both.T @ both)[6:, 6:]
-        error = math.sqrt(float(way @ inverse @ way) / (rows * columns))
-        parts = [np.linalg.lstsq(both, grid(m.map) / m.kept, rcond=None)[0][6:] for m in maps]
+        error = math.sqrt(float(way @ inverse @ way) / pixels)
+        parts = [
+            np.linalg.lstsq(both, coarse(m.map).ravel() / m.kept, rcond=None)[0][6:] for m in maps
+        ]
         errors = np.array([math.sqrt(m.scatter) / m.kept * error for m in maps])
         sizes = Sizes(np.array([float(way @ p) for p in parts]), errors)
         given: dict[str, Any] = (

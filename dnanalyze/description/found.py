@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import optimize
+from scipy.stats import chi2
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.significance import UNLIKELY
 from dnanalyze.thermal import BOLTZMANN_EV, KELVIN, arrhenius, least_energy
 
 # Sizes of one structure at several points agree to this: cut hot pixels shift them by up to 1.5 %
 # (waves and diagonals in log-normal dark current, benchmarks/describe_new_sensors.py).
 LAW_SCATTER = 0.02
-# By which a further number must lower chi square: 1 % of those of one number are larger by chance
-# (the logarithm of four operating points, 1.39, would be exceeded by 24 %).
-SURE = 6.63
+# By which a further number must lower chi square; the logarithm of four operating points, 1.39,
+# would be exceeded by 24 % of chance
+SURE = float(chi2.isf(UNLIKELY, 1))
 
 
 @dataclass(frozen=True)
@@ -60,8 +63,6 @@ class Estimate:
         What its numbers cost: ln n each, n the pixels or values that it is estimated from.
     sizes : Sizes
         Over the operating points.
-    share : float
-        Part of the residual variance of its layer that it explains.
     elements : int
         Fixed elements that drew a value each once, for all operating points; 0 without such.
     """
@@ -71,8 +72,7 @@ class Estimate:
     explained: float
     price: float
     sizes: Sizes
-    share: float = 0.0
-    chance: float = field(default=0.0)
+    chance: float = 0.0
     elements: int = 0
 
     @property
@@ -88,6 +88,55 @@ class Estimate:
         """
         e = self.effect
         return e.what, e.when, {"halves": "quadrants", "wave": "rings"}.get(e.where, e.where)
+
+
+def random_size(values: np.ndarray, chance: np.ndarray | float) -> tuple[float, float, float]:
+    """Variance A^2 of values x ~ N(0, chance + A^2), its standard error, and what it explains.
+
+    Parameters
+    ----------
+    values : ndarray
+        Of any shape.
+    chance : ndarray or float
+        Variance of each by chance.
+
+    Returns
+    -------
+    tuple of float
+        A^2, its standard error, twice the gain of the log likelihood over A = 0.
+    """
+    x2 = np.asarray(values, float).ravel() ** 2
+    c = np.broadcast_to(np.asarray(chance, float), np.shape(values)).ravel()
+    scale = float(np.mean(c))
+    most = 4.0 * float(np.mean(x2)) / scale + 1.0
+
+    def cost(size: float) -> float:
+        whole = c + size * scale
+        return float(np.sum(np.log(whole) + x2 / whole))
+
+    found = optimize.minimize_scalar(
+        cost, bounds=(0.0, most), method="bounded", options={"xatol": 1e-9 * most}
+    )
+    size, gain = float(found.x) * scale, cost(0.0) - float(found.fun)
+    information = 0.5 * float(np.sum(1.0 / (c + size) ** 2))
+    return max(size, 0.0), 1.0 / math.sqrt(information), max(gain, 0.0)
+
+
+def random_sizes(
+    series: Sequence[np.ndarray], chance: Sequence[float], unit: float = 1.0
+) -> tuple[Sizes, float]:
+    """Sizes of values that every frame draws anew, and what they explain.
+
+    ``series``: of every operating point, (frames, ...), less the mean of the frames; ``chance``:
+    variance of a value by chance. ``unit``: what a value stands for, in amplitudes of the effect.
+    """
+    found = [random_size(s, c) for s, c in zip(series, chance, strict=True)]
+    size, error, gain = np.array(found).T
+    frames = np.array([len(s) for s in series])
+    spread = error * unit**2 * np.sqrt(frames / (frames - 1.0))
+    return Sizes(size * unit**2, spread, squares=True), float(
+        np.sum(gain * (frames - 1.0) / frames)
+    )
 
 
 def with_law(
@@ -138,12 +187,12 @@ def with_law(
         warm = [p.temperature_c for p in points]
         if reference.temperature_c is not None and len({t for t in warm if t is not None}) > 2:
             energy = least_energy(
-                lambda e: scaled_to(_growth(points, reference, e))[2], np.linspace(-1.0, 2.0, 121)
+                lambda e: scaled_to(grown(points, reference, e))[2], np.linspace(-1.0, 2.0, 121)
             )
-            growth = _growth(points, reference, energy)
+            growth = grown(points, reference, energy)
             size, _, chi = scaled_to(growth)
             # size and energy together: their errors from the curvature of chi square
-            slope = _growth(points, reference, energy + 1e-4) ** power - growth**power
+            slope = grown(points, reference, energy + 1e-4) ** power - growth**power
             slopes = np.stack([growth**power, size * slope / 1e-4])
             spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv((slopes * weight) @ slopes.T)), 0.0))
             take(size, float(spread[0]), chi, 2, law="thermal", ea_ev=energy)
@@ -151,13 +200,11 @@ def with_law(
                 laws[-1][2]["ea_ev"] = float(spread[1])
     if not laws:
         return replace(found, explained=0.0)
-    _, effect, told = min(laws, key=lambda x: x[0])
-    return replace(found, effect=effect, errors=told)
+    _, effect, law_errors = min(laws, key=lambda x: x[0])
+    return replace(found, effect=effect, errors=law_errors)
 
 
-def _growth(
-    points: Sequence[OperatingPoint], reference: OperatingPoint, ea_ev: float
-) -> np.ndarray:
+def grown(points: Sequence[OperatingPoint], reference: OperatingPoint, ea_ev: float) -> np.ndarray:
     """Arrhenius growth, with the exposure, from the reference to each point."""
     at = reference.temperature_c
     assert at is not None

@@ -14,9 +14,13 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Window
 from dnanalyze.model.laws import value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
+from dnanalyze.robust import QUARTILES
+from dnanalyze.significance import CERTAIN, NOTICEABLE
 
-HOT = 6.0  # robust standard deviations of a variance: of six frames .06 % lie beyond
-CLIP = 4.0  # robust standard deviations: of white noise .006 % lie beyond, hot pixels all
+GRID = 16  # blocks a side of coarse maps, over which steps and spots are told from shading
+# Robust standard deviations at which pixels are cut: of white noise .006 % lie beyond, hot pixels
+# all. A variance is cut at `CERTAIN`: of six frames .06 % lie beyond.
+CLIP = NOTICEABLE
 
 
 @dataclass(frozen=True)
@@ -29,8 +33,6 @@ class Layer:
         (rows, columns), DN, of mean about 0, hot pixels cut.
     noise : float
         Standard deviation of a pixel, DN, robust.
-    point : OperatingPoint
-        Where.
     kept : float
         Share of the pixels that were not cut: a pattern is lost in the others, and its size in the
         map is smaller by this factor.
@@ -38,7 +40,6 @@ class Layer:
 
     map: np.ndarray
     noise: float
-    point: OperatingPoint
     kept: float = 1.0
 
     @cached_property
@@ -99,7 +100,7 @@ class Taken:
         rest = (mean - np.median(mean)).astype(float)
         noise = robust(rest)
         kept = float(np.mean(np.abs(rest) < CLIP * noise))
-        return Layer(np.clip(rest, -CLIP * noise, CLIP * noise), noise, self.point, kept)
+        return Layer(np.clip(rest, -CLIP * noise, CLIP * noise), noise, kept)
 
     def line_variances(self, axis: int) -> np.ndarray:
         """Mean temporal variance of the rows (axis 1) or columns (0), DN^2.
@@ -109,7 +110,7 @@ class Taken:
         """
         found = self.frames.var(axis=0, ddof=1, dtype=float)
         low, middle, high = np.percentile(found, (25, 50, 75), axis=axis, keepdims=True)
-        cut = np.minimum(found, middle + HOT * (high - low) / 1.349)
+        cut = np.minimum(found, middle + CERTAIN * (high - low) / QUARTILES)
         return np.asarray(cut.mean(axis=axis))
 
     @cached_property
@@ -117,8 +118,8 @@ class Taken:
         """The temporal variance of the pixels less its mean, DN^2."""
         found = self.frames.var(axis=0, ddof=1, dtype=float)
         middle, noise = float(np.median(found)), robust(found)
-        cut = np.minimum(found, middle + HOT * noise)
-        return Layer(cut - cut.mean(), float(cut.std()), self.point)
+        cut = np.minimum(found, middle + CERTAIN * noise)
+        return Layer(cut - cut.mean(), float(cut.std()))
 
 
 @dataclass(frozen=True)
@@ -182,7 +183,15 @@ def robust(values: np.ndarray) -> float:
     """Standard deviation by the quartiles of a sample of the values, never 0."""
     flat = values.reshape(-1)
     low, high = np.percentile(flat[:: max(1, flat.size // 200_000)], (25, 75))
-    return max(float(high - low) / 1.349, 1e-6)
+    return max(float(high - low) / QUARTILES, 1e-6)
+
+
+def coarse(maps: np.ndarray) -> np.ndarray:
+    """Means of GRID x GRID blocks of maps, (..., GRID, GRID)."""
+    rows, columns = (n // GRID for n in maps.shape[-2:])
+    cut = maps[..., : rows * GRID, : columns * GRID]
+    parts = cut.reshape(*maps.shape[:-2], GRID, rows, GRID, columns)
+    return np.asarray(parts.mean(axis=(-3, -1), dtype=float))
 
 
 def layers(plan: Design, model: NoiseModel) -> Layers:
@@ -197,10 +206,8 @@ def chance(plan: Design, model: NoiseModel) -> Layers:
 
 
 def _of(captures: CaptureSet, plan: Design, model: NoiseModel) -> Layers:
-    train, test = plan.windows
-    window = Window(train.top, test.bottom, train.left, train.right)
     taken = tuple(
-        Taken(s.point, np.stack([f.read(window) for f in s.frames]).astype(np.float32))
+        Taken(s.point, np.stack([f.read(plan.window) for f in s.frames]).astype(np.float32))
         for s in captures.settings
     )
     levels = [float(t.mean.mean()) for t in taken]
@@ -208,7 +215,7 @@ def _of(captures: CaptureSet, plan: Design, model: NoiseModel) -> Layers:
         max(level - value_at(model.pedestal, t.point), 0.0)
         for level, t in zip(levels, taken, strict=True)
     ]
-    return Layers(taken, window, plan.shape, np.array(dark))
+    return Layers(taken, plan.window, plan.shape, np.array(dark))
 
 
 def together(maps: Sequence[Layer], growth: np.ndarray) -> Layer:
@@ -218,4 +225,4 @@ def together(maps: Sequence[Layer], growth: np.ndarray) -> Layer:
     made = sum(w * m.map for w, m in zip(weight, maps, strict=True)) / max(total, 1e-300)
     assert isinstance(made, np.ndarray)
     noise = robust(made)
-    return Layer(np.clip(made, -CLIP * noise, CLIP * noise) / noise, 1.0, maps[0].point)
+    return Layer(np.clip(made, -CLIP * noise, CLIP * noise) / noise, 1.0)

@@ -79,10 +79,7 @@ def _map(found: Estimate, seen: Layers, grown: np.ndarray) -> tuple[np.ndarray, 
     if e.when == "fixed":
         weight = np.maximum(grown, 1e-9)
         layer = together([t.fixed for t in seen.taken], weight)
-        first = max(seen.taken, key=lambda t: t.fixed.noise == layer.noise)
-        return layer.map * min(t.fixed.noise for t in seen.taken), (
-            "mean frame − median [DN]" if first else ""
-        )
+        return layer.map * min(t.fixed.noise for t in seen.taken), "mean frame − median [DN]"
     best = int(np.argmax(np.abs(grown) / np.array([t.noise for t in seen.taken])))
     frames = seen.taken[best].temporal
     return np.asarray(frames[0], float), "first frame − mean frame [DN]"
@@ -90,7 +87,7 @@ def _map(found: Estimate, seen: Layers, grown: np.ndarray) -> tuple[np.ndarray, 
 
 def _small(map_: np.ndarray, where: str) -> np.ndarray:
     """Block means; of a structure of single pixels the corner as it is."""
-    if where in ("block",):
+    if where == "block":
         return map_[:32, :32]
     step = max(1, math.ceil(max(map_.shape) / MAX_MAP_SIDE))
     rows, columns = (n // step for n in map_.shape)

@@ -11,7 +11,6 @@ from dnanalyze.diagnosis.explain import evidence_against
 from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.digits import number
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
@@ -99,7 +98,7 @@ def nearest(
             found.append(Nearest(name, nan, "not indicated by the statistics"))
             continue
         larger = guesses[name].model
-        begun = begun_at(problem, larger, free_parameters(larger), like=state)
+        begun = begun_at(problem, larger, like=state)
         rival = minimise(problem, begun, REFIT_STEPS)
         why = evidence_against(problem, rival, ended, name, CompositeEffect.name)
         found.append(Nearest(name, error_of(problem, rival), why or "explains nearly as much"))

@@ -8,8 +8,10 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
+from scipy.stats import chi2
 
 from dnanalyze.comparator.error import ERROR_SCATTER, pooled
+from dnanalyze.description.found import grown
 from dnanalyze.description.layers import CLIP, robust
 from dnanalyze.description.shrinkage import factors, filtered
 from dnanalyze.digits import number
@@ -24,12 +26,10 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 from dnanalyze.progress import Progress, reporter
 from dnanalyze.result import Result
-from dnanalyze.thermal import arrhenius, least_energy
+from dnanalyze.significance import RARE
+from dnanalyze.thermal import least_energy
 
 REPLICATES = 4  # simulated sensors: the power of a band of n modes is known to 1 / sqrt(4 n)
-# Squared standard scores by which a law with one number more must be better: one pattern of a
-# constant size in a thousand is by chance (chi^2 of one number).
-CHI2_THOUSANDTH = 10.83
 # Of bands, law and weights: on four sensors of benchmarks/describe_new_sensors.py (halves, rings,
 # gain of blocks, wave) the second changes the rms of the map by up to a factor of 2, the third by
 # 4 % at most, a fourth and further ones by nothing.
@@ -303,7 +303,7 @@ def halves(captures: CaptureSet) -> list[Halves]:
 
 
 def _other(captures: CaptureSet, model: NoiseModel, replicate: int) -> CaptureSet:
-    """Another sensor of the model's make, of the same layout."""
+    """Another sensor of the same design and layout."""
     layout = [(s.point, len(s.frames)) for s in captures.settings]
     other = replace(model, seed=model.seed + 1 + replicate)
     return simulate(other.in_codes, captures.sensor.shape, layout, sensor=captures.sensor)
@@ -386,7 +386,7 @@ def _law(
         return float(np.sum(w * (y - level * growth) ** 2))
 
     best = least_energy(partial(misfit, "thermal"), ENERGIES)
-    if misfit("constant", 0.0) - misfit("thermal", best) > CHI2_THOUSANDTH:
+    if misfit("constant", 0.0) - misfit("thermal", best) > chi2.isf(RARE, 1):
         return "thermal", best
     return "constant", 0.0
 
@@ -397,10 +397,7 @@ def _growth(
     """Size at each operating point relative to the reference."""
     if law == "constant" or reference.temperature_c is None:
         return np.ones(len(points))
-    at = reference.temperature_c
-    return np.array(
-        [p.exposure_over(reference) * arrhenius(p.temperature_c, at, energy) for p in points]
-    )
+    return grown(points, reference, energy)
 
 
 def _predicted(
@@ -417,9 +414,9 @@ def _predicted(
     growth = _growth(effect.law, effect.ea_ev, points, reference)
     explained = whole = 0.0
     for g, odd, even in zip(growth, unseen, seen, strict=True):
-        told = g * effect.map.array
+        predicted = g * effect.map.array
         noise = max(float(np.var(odd - even)), 1e-12)
-        explained += float(np.mean(2.0 * odd * told - told**2)) / noise
+        explained += float(np.mean(2.0 * odd * predicted - predicted**2)) / noise
         whole += max(float(np.mean(odd * even)), 0.0) / noise
     return explained / whole if whole > 0 else float("nan")
 
@@ -430,6 +427,6 @@ def _unseen_error(captures: CaptureSet, model: NoiseModel, even: PatternMap) -> 
         return float("nan"), float("nan")
     odd = tuple(replace(s, frames=s.frames[1::2]) for s in captures.settings)
     problem = fit_problem(design(replace(captures, settings=odd)))
-    found = [problem.judged_z(m) for m in (model, model.with_effect(even))]
+    found = [problem.held_out_z(m) for m in (model, model.with_effect(even))]
     before, after = (pooled(z, problem.test.families) for z in found)
     return before, after

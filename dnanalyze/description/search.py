@@ -9,8 +9,8 @@ import numpy as np
 from dnanalyze.description.fixed_elements import fixed_elements
 from dnanalyze.description.found import Estimate, with_law
 from dnanalyze.description.layers import Layers
+from dnanalyze.description.lines import variance_lines
 from dnanalyze.description.temporal import temporal
-from dnanalyze.description.variance_lines import variance_lines
 from dnanalyze.description.waves import waves
 from dnanalyze.loaders.captures import OperatingPoint
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.stats import norm
+
+from dnanalyze.significance import RARE
 
 LOWEST_OCTAVE = 2  # log2 of the periods in the frame up to which modes share the lowest band
 SMALLEST = 4  # modes of a band at the least: those of the lowest band along an axis
-# Standard errors by which a band's power must exceed chance: normal quantile of 1 - .001 / 36, so
-# that one sensor in a thousand without structure keeps any of 36 bands (12 octaves, three kinds).
-POWER_ERRORS = 4.03
+# Standard errors by which a band's power must exceed chance, so that one sensor in a thousand
+# without structure keeps any of 36 bands (12 octaves, three kinds): 4.03.
+POWER_ERRORS = float(norm.isf(RARE / 36))
 
 
 def bands(shape: tuple[int, int]) -> np.ndarray:
@@ -100,8 +103,8 @@ def shrinkage(
     with np.errstate(divide="ignore", invalid="ignore"):
         kept = 1.0 - (n - 2.0) / n * chance / seen
     error = chance * np.sqrt((1.0 + 1.0 / replicates) / np.maximum(modes, 1))
-    told = (modes >= SMALLEST) & (seen - chance > POWER_ERRORS * error)
-    kept = np.where(told, np.clip(kept, 0.0, 1.0), 0.0)
+    significant = (modes >= SMALLEST) & (seen - chance > POWER_ERRORS * error)
+    kept = np.where(significant, np.clip(kept, 0.0, 1.0), 0.0)
     kept[0] = 0.0
     return kept
 

@@ -10,10 +10,9 @@ from scipy import optimize
 from scipy.signal import fftconvolve
 
 from dnanalyze.description.found import Estimate, Sizes
-from dnanalyze.description.layers import Layers
+from dnanalyze.description.layers import GRID, Layers
 from dnanalyze.model.composite.effect import CompositeEffect
 
-GRID = 16  # blocks a side of the coarse frames
 FINE = np.linspace(-0.16, 0.16, 9)  # logarithms of radii about the best of the first pass
 
 

@@ -8,40 +8,30 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.description.blocks import block_form
-from dnanalyze.description.changing import changing_lines, row_before, standing_spot
-from dnanalyze.description.found import Estimate, Sizes
-from dnanalyze.description.layers import Layers
-from dnanalyze.description.random_size import random_size
-from dnanalyze.description.spots import GRID, spot
-from dnanalyze.description.variance_lines import groups
+from dnanalyze.description.changing import row_before, standing_spot
+from dnanalyze.description.found import Estimate, Sizes, random_sizes
+from dnanalyze.description.layers import GRID, Layers, coarse
+from dnanalyze.description.lines import changing_lines, segments
+from dnanalyze.description.spots import spot
 from dnanalyze.model.composite.effect import CompositeEffect
-from dnanalyze.robust import robust_deviation
 
 TWO_LEVEL = 1.5  # fourth moment over the square of the second: 1 of two levels, 3 of a normal
 ENOUGH = 16  # values from which that ratio tells (sqrt(24 / 16) = 1.2 of a normal)
-JUMP = 5.0  # standard errors by which the mean bridge of a jumping line exceeds chance
 
 
 def temporal(seen: Layers) -> list[Estimate]:
     """All that the temporal layer may show."""
     if not seen.several:
         return []
-    found = [*_pairs(seen), *_segments(seen), *changing_lines(seen), *row_before(seen)]
+    found = [*_pairs(seen), *segments(seen), *changing_lines(seen), *row_before(seen)]
     if min(seen.window.shape) >= 4 * GRID:
-        coarse = [_coarse(t.unclipped) for t in seen.taken]
+        blocks = [coarse(t.unclipped) for t in seen.taken]
         pixels = math.prod(n // GRID for n in seen.window.shape)
         noise = [t.noise**2 / pixels for t in seen.taken]
-        found += [_surface(seen, coarse, noise), *_parts(seen, coarse, noise)]
-        found.append(spot(seen, coarse, noise))
-        found += standing_spot(seen, coarse, noise)
+        found += [_surface(seen, blocks, noise), *_parts(seen, blocks, noise)]
+        found.append(spot(seen, blocks, noise))
+        found += standing_spot(seen, blocks, noise)
     return found
-
-
-def _coarse(frames: np.ndarray) -> np.ndarray:
-    """Means of GRID x GRID blocks, (frames, GRID, GRID)."""
-    rows, columns = (n // GRID for n in frames.shape[1:])
-    cut = frames[:, : rows * GRID, : columns * GRID]
-    return cut.reshape(len(frames), GRID, rows, GRID, columns).mean(axis=(2, 4), dtype=float)
 
 
 def _places(seen: Layers) -> tuple[np.ndarray, np.ndarray]:
@@ -52,38 +42,21 @@ def _places(seen: Layers) -> tuple[np.ndarray, np.ndarray]:
     return np.meshgrid(y / seen.shape[0] - 0.5, x / seen.shape[1] - 0.5, indexing="ij")
 
 
-def _of_series(
-    series: list[np.ndarray], chance: list[float], unit: float
-) -> tuple[Sizes, float, np.ndarray]:
-    """Sizes, gain and all values over their spread, from amplitudes frame by frame.
-
-    ``unit``: what a value stands for, in amplitudes of the effect.
-    """
-    found = [random_size(s, c) for s, c in zip(series, chance, strict=True)]
-    frames = np.array([len(s) for s in series])
-    gain = float(np.sum([f[2] for f in found] * (frames - 1.0) / frames))
-    sizes = Sizes(
-        np.array([f[0] for f in found]) * unit**2,
-        np.array([f[1] for f in found]) * unit**2 * np.sqrt(frames / (frames - 1.0)),
-        squares=True,
-    )
-    shares = [
-        s / math.sqrt(max(f[0] + c, 1e-300)) for s, f, c in zip(series, found, chance, strict=True)
-    ]
-    return sizes, gain, np.concatenate([s.ravel() for s in shares])
-
-
-def _distribution(values: np.ndarray) -> str:
-    """Normal, or two levels, by the fourth moment."""
+def _distribution(
+    series: list[np.ndarray], sizes: Sizes, chance: list[float], unit: float = 1.0
+) -> str:
+    """Normal, or two levels, by the fourth moment of all values over their spread."""
+    spread = np.sqrt(np.maximum(sizes.values / unit**2 + chance, 1e-300))
+    values = np.concatenate([(s / a).ravel() for s, a in zip(series, spread, strict=True)])
     if values.size < ENOUGH:
         return "normal"
     ratio = float(np.mean(values**4) / np.mean(values**2) ** 2)
     return "two_level" if ratio < TWO_LEVEL else "normal"
 
 
-def _surface(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> Estimate:
+def _surface(seen: Layers, blocks: list[np.ndarray], noise: list[float]) -> Estimate:
     """One low-order surface whose sign and size are new in every frame."""
-    flat = [c.reshape(len(c), -1) - c.mean(axis=(1, 2))[:, None] for c in coarse]
+    flat = [c.reshape(len(c), -1) - c.mean(axis=(1, 2))[:, None] for c in blocks]
     white = np.concatenate([f / math.sqrt(n) for f, n in zip(flat, noise, strict=True)])
     shape = np.linalg.svd(white, full_matrices=False)[2][0]
     y, x = (p.ravel() for p in _places(seen))
@@ -95,15 +68,16 @@ def _surface(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> Esti
     made = (basis - basis.mean(axis=0)) @ numbers
     made = made / made.std()
     series = [f @ made / made.size for f in flat]
-    sizes, gain, values = _of_series(series, [n / made.size for n in noise], 1.0)
+    chance = [n / made.size for n in noise]
+    sizes, gain = random_sizes(series, chance)
     effect = CompositeEffect(
         when="frame", where="surface", coefficients=tuple(float(v) for v in numbers),
-        distribution=_distribution(values),
+        distribution=_distribution(series, sizes, chance),
     )  # fmt: skip
     return Estimate(effect, {}, gain, (5 + len(series)) * math.log(white.size), sizes)
 
 
-def _parts(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> list[Estimate]:
+def _parts(seen: Layers, blocks: list[np.ndarray], noise: list[float]) -> list[Estimate]:
     """Quadrants or halves that have a value each in every frame."""
     if min(seen.window.shape) < 0.9 * min(seen.shape):
         return []
@@ -117,13 +91,14 @@ def _parts(seen: Layers, coarse: list[np.ndarray], noise: list[float]) -> list[E
     ]
     for words, names in forms:
         series = [
-            np.stack([(c * signs[n]).mean(axis=(1, 2)) for n in names], axis=1) for c in coarse
+            np.stack([(c * signs[n]).mean(axis=(1, 2)) for n in names], axis=1) for c in blocks
         ]
         # a contrast of k independent values of spread A has A / sqrt(k)
         unit = math.sqrt(len(names) + 1)
-        sizes, gain, values = _of_series(series, [n / GRID**2 for n in noise], unit)
-        told = _distribution(values) if len(names) == 1 else "normal"
-        effect = CompositeEffect(when="frame", distribution=told, **words)
+        chance = [n / GRID**2 for n in noise]
+        sizes, gain = random_sizes(series, chance, unit)
+        distribution = _distribution(series, sizes, chance, unit) if len(names) == 1 else "normal"
+        effect = CompositeEffect(when="frame", distribution=distribution, **words)
         count = sum(s.size for s in series)
         found.append(Estimate(effect, {}, gain, (1 + len(series)) * math.log(count * GRID), sizes))
     return found
@@ -196,40 +171,3 @@ def _blocks(seen: Layers, stacks: list[np.ndarray]) -> list[Estimate]:
     )
     sizes = Sizes(np.array(values), np.array(errors), squares=True)
     return [Estimate(effect, {}, gain, 5.0 * math.log(stacks[0].size * len(stacks)), sizes)]
-
-
-def _segments(seen: Layers) -> list[Estimate]:
-    """Lines that jump between two levels within a frame: bridges of their running sums."""
-    found = []
-    for where, axis in (("column_segments", 1), ("row_segments", 2)):
-        scores, count = 0.0, 0
-        for t in seen.taken:
-            rest = t.temporal / np.float32(t.noise)
-            length = rest.shape[axis]
-            sums = np.cumsum(rest - rest.mean(axis=axis, keepdims=True), axis=axis)
-            scores = scores + np.sum(np.mean((sums / math.sqrt(length)) ** 2, axis=axis), axis=0)
-            count += len(rest) - 1
-        score = np.asarray(scores, float) / (count + len(seen.taken))
-        middle = float(np.median(score))
-        # a squared Brownian bridge has mean 1/6 and variance 1/45 (Cramer and von Mises)
-        error = max(math.sqrt(1 / 45 / count), robust_deviation(score, middle))
-        chosen = score > middle + JUMP * error
-        share = float(chosen.mean())
-        if not 0 < share < 0.5:
-            continue
-        gain = float(np.sum(((score[chosen] - middle) / error) ** 2))
-        values, errors = [], []
-        for t in seen.taken:
-            line = t.frames.var(axis=0, ddof=1, dtype=float).clip(0, (6 * t.noise) ** 2)
-            by_line = line.mean(axis=axis - 1)
-            values.append(float(by_line[chosen].mean() - np.median(by_line[~chosen])))
-            scatter = float(by_line.std()) if chosen.sum() < 2 else float(by_line[chosen].std())
-            errors.append(max(scatter / math.sqrt(chosen.sum()), 1e-9))
-        given: dict[str, Any] = {"where": where, "distribution": "two_level", "share": share}
-        first = seen.window.left if axis == 1 else seen.window.top
-        effect = CompositeEffect(when="frame", lines=groups(chosen, first), **given)
-        price = (float(chosen.sum()) + 2.0) * math.log(chosen.size * count)
-        spread = math.sqrt(share * (1 - share) / chosen.size)
-        sizes = Sizes(np.array(values), np.array(errors), squares=True)
-        found.append(Estimate(effect, {"share": spread}, gain, price, sizes))
-    return found

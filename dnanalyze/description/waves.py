@@ -12,14 +12,15 @@ from scipy import fft, optimize
 from dnanalyze.description.found import Estimate, Sizes
 from dnanalyze.description.layers import Layer, Layers, together
 from dnanalyze.model.composite.effect import CompositeEffect
+from dnanalyze.significance import CERTAIN
 
 TILES = 4  # a side, in which rings about a far centre are plane waves
 ENOUGH = 16_384  # pixels of the map from which the first steps look for a geometry
 LEAST_CYCLES = 2.5  # over the field: below that a wave is shading
 PERIOD_SCATTER = 0.2  # relative scatter of the period over tiles that are of one wave
 NEAR_TILES = 5  # that must agree: a chance peak agrees in none
-# Powers of 4 x 4 tiles are a chi square of 32 by chance: mean 32, standard deviation 8; six such.
-PLAIN = 80.0
+# Powers of 4 x 4 tiles are a chi square of 32 by chance: mean 32, standard deviation 8
+PLAIN = 2.0 * TILES**2 + CERTAIN * 2.0 * TILES
 ENVELOPES = ("flat", "down", "up", "right", "left")
 Maps = list[Layer]
 Angle = Callable[..., np.ndarray]  # of the geometry, of every n-th pixel
@@ -29,8 +30,8 @@ def waves(seen: Layers, maps: Maps, growth: np.ndarray, what: str) -> list[Estim
     """The best plane wave and the best rings of maps whose pattern grows so over the points."""
     layer = together(maps, growth)
     found = []
-    u, v, height = _peak(layer.map)
-    if height < 2.0 * math.log(layer.map.size):  # below that a strongest line is chance
+    u, v, power = _peak(layer.map - layer.map.mean())
+    if power < layer.map.size * math.log(layer.map.size):  # below that a strongest line is chance
         return []
     plane = _polished(_plane(seen), np.array([v, u]), layer.map, 0.1 / np.array(layer.map.shape))
     for values in (plane, _exact(plane, layer.map.shape)):
@@ -92,26 +93,27 @@ def _polished(angle: Angle, begun: np.ndarray, map_: np.ndarray, step: np.ndarra
     return np.asarray(here)
 
 
-def _peak(map_: np.ndarray) -> tuple[float, float, float]:
-    """Frequencies (u, v) of the strongest line, not below `LEAST_CYCLES` over the field.
+def _peak(map_: np.ndarray, padded: int = 1) -> tuple[float, float, float]:
+    """Frequencies (u, v) and power of the strongest line, not below `LEAST_CYCLES` over the field.
 
-    And twice the gain of the log likelihood that it brings.
+    ``padded``: times the field, with zeros, over which the spectrum is taken.
     """
-    power = np.abs(fft.rfft2(map_ - map_.mean())) ** 2
-    v, u = fft.fftfreq(map_.shape[0])[:, None], fft.rfftfreq(map_.shape[1])[None, :]
+    shape = (padded * map_.shape[0], padded * map_.shape[1])
+    power = np.abs(fft.rfft2(map_, s=shape)) ** 2
+    v, u = fft.fftfreq(shape[0])[:, None], fft.rfftfreq(shape[1])[None, :]
     slow = np.hypot(v * map_.shape[0], u * map_.shape[1]) < LEAST_CYCLES
     power = np.where(slow, 0.0, power)
     i, j = np.unravel_index(int(power.argmax()), power.shape)
-    return float(u[0, j]), float(v[i, 0]), 2.0 * float(power.max()) / map_.size
+    return float(u[0, j]), float(v[i, 0]), float(power.max())
 
 
 def _exact(values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """Frequencies of 0 and 1/2 where they lie within a third of a mode of these."""
-    told = []
+    exact = []
     for value, lines in zip(values, shape, strict=True):
         near = min((0.0, 0.5, -0.5), key=lambda x: abs(x - value))
-        told.append(abs(near) if abs(near - value) * lines < 1 / 3 else value)
-    return np.array(told)
+        exact.append(abs(near) if abs(near - value) * lines < 1 / 3 else value)
+    return np.array(exact)
 
 
 def _centre(seen: Layers, map_: np.ndarray) -> np.ndarray | None:
@@ -124,18 +126,14 @@ def _centre(seen: Layers, map_: np.ndarray) -> np.ndarray | None:
     for a in range(TILES):
         for b in range(TILES):
             tile = map_[a * rows : (a + 1) * rows, b * columns : (b + 1) * columns]
-            shape = (2 * rows, 2 * columns)
-            power = np.abs(fft.rfft2((tile - tile.mean()) * window, s=shape)) ** 2
-            v, u = fft.fftfreq(shape[0])[:, None], fft.rfftfreq(shape[1])[None, :]
-            power = np.where(np.hypot(v * rows, u * columns) < LEAST_CYCLES, 0.0, power)
-            i, j = np.unravel_index(int(power.argmax()), power.shape)
-            wave = np.array([float(v[i, 0]), float(u[0, j])])
+            u, v, power = _peak((tile - tile.mean()) * window, 2)
+            wave = np.array([v, u])
             places.append(
                 [seen.window.top + (a + 0.5) * rows, seen.window.left + (b + 0.5) * columns]
             )
             directions.append(wave / np.linalg.norm(wave))
             sizes.append(float(np.linalg.norm(wave)))
-            strength.append(float(power.max()))
+            strength.append(power)
     order = np.argsort(strength)[::-1][: TILES * TILES // 2]
     middle = float(np.median(np.array(sizes)[order]))
     near = [t for t in range(len(sizes)) if abs(sizes[t] / middle - 1.0) < PERIOD_SCATTER]
@@ -171,13 +169,13 @@ def _estimate(
     if where == "wave" and all(abs(x) in (0.0, 0.5) for x in values):
         phase = math.pi / 4.0 if size[0] > 0 else 3.0 * math.pi / 4.0  # values of -1 and 1
     ramps = {name: _ramp(name, seen) for name in ENVELOPES}
-    best, told, pattern = -1.0, "flat", np.zeros(layer.map.shape)
+    best, envelope, pattern = -1.0, "flat", np.zeros(layer.map.shape)
     for name in ENVELOPES if what == "level" else ("flat",):
         shape = math.sqrt(2.0) * np.cos(angle + phase) * ramps[name]
         gain = float(np.sum(layer.map * shape)) ** 2 / float(np.sum(shape**2))
         if gain > best:
-            best, told, pattern = gain, name, shape
-    given: dict[str, Any] = {"phase": phase, "envelope": told, "what": what, "where": where}
+            best, envelope, pattern = gain, name, shape
+    given: dict[str, Any] = {"phase": phase, "envelope": envelope, "what": what, "where": where}
     names = ("v", "u") if where == "wave" else ("centre_y", "centre_x", "period")
     if where == "rings" and values[2] < 2.0:
         best = 0.0
@@ -193,10 +191,8 @@ def _estimate(
         squares=what == "noise",
     )
     price = (2 + len(values)) * math.log(layer.map.size)
-    share = best / float(np.sum(layer.map**2))
-    return Estimate(
-        CompositeEffect(**given), dict(zip(names, errors, strict=True)), best, price, sizes, share
-    )
+    own = dict(zip(names, errors, strict=True))
+    return Estimate(CompositeEffect(**given), own, best, price, sizes)
 
 
 def _ramp(name: str, seen: Layers) -> np.ndarray | float:

@@ -60,15 +60,15 @@ def _structure(e: CompositeEffect, errors: dict[str, float]) -> str:
     return f"{whose}fixed {where}" if e.when == "fixed" else f"{whose}{where}, {when}"
 
 
-def _told(effect: CompositeEffect, name: str, errors: dict[str, float], digits: int = 3) -> str:
+def _stated(effect: CompositeEffect, name: str, errors: dict[str, float], digits: int = 3) -> str:
     value, error = float(getattr(effect, name)), errors.get(name)
     return with_error(value, error) if error and math.isfinite(error) else number(value, digits)
 
 
 def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
     if e.where == "rings":
-        centre = f"({_told(e, 'centre_y', errors)}, {_told(e, 'centre_x', errors)})"
-        apart = _told(e, "period", errors)
+        centre = f"({_stated(e, 'centre_y', errors)}, {_stated(e, 'centre_x', errors)})"
+        apart = _stated(e, "period", errors)
         phase = f"phase {number(e.phase)} rad at the centre"
         return (
             f"sinusoidal rings, period {apart} px about row and column {centre}, {phase}{_grows(e)}"
@@ -100,10 +100,10 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
     if e.where == "blob":
         place = ""
         if e.when != "frame":
-            at = f"({_told(e, 'centre_y', errors)}, {_told(e, 'centre_x', errors)})"
+            at = f"({_stated(e, 'centre_y', errors)}, {_stated(e, 'centre_x', errors)})"
             place = f" about row and column {at}"
         half = ", present in half of the frames" if e.distribution == "on_off" else ""
-        size = f"standard deviation {_told(e, 'radius', errors)} px"
+        size = f"standard deviation {_stated(e, 'radius', errors)} px"
         return f"Gaussian spot, {size}{place}{half}"
     if e.where == "diagonal":
         return (
@@ -115,8 +115,8 @@ def _geometry(e: CompositeEffect, errors: dict[str, float]) -> str:
     if e.where in ("row", "column"):
         if e.lines and len(e.lines) <= 2 * MOST_GROUPS:
             pairs = zip(e.lines[::2], e.lines[1::2], strict=True)
-            told = (f"{a:.0f}" if a == b else f"{a:.0f} to {b:.0f}" for a, b in pairs)
-            return f"{e.where}s {', '.join(told)}"
+            runs = (f"{a:.0f}" if a == b else f"{a:.0f} to {b:.0f}" for a, b in pairs)
+            return f"{e.where}s {', '.join(runs)}"
         few = f"{_percent(e, errors)} of the " if e.share < 1 else "values of the "
         return f"{few}{e.where}s"
     if e.coefficients and e.where in ("halves", "quadrants"):
@@ -153,11 +153,11 @@ def _size(e: CompositeEffect, errors: dict[str, float]) -> str:
         rms = "" if e.where == "row_before" else " rms"
         return f"{with_error(100.0 * e.gain, spread)} % of it{rms}"
     if e.where == "halves" and e.coefficients:
-        return f"{_told(e, 'amplitude', errors)} DN half the step"
+        return f"{_stated(e, 'amplitude', errors)} DN half the step"
     what = "height" if e.where == "blob" else "half the step" if "segments" in e.where else "rms"
     if e.what == "noise":
         what = "additional noise"
-    return f"{_told(e, 'amplitude', errors)} DN {what}"
+    return f"{_stated(e, 'amplitude', errors)} DN {what}"
 
 
 def _law(found: Estimate, seen: Layers) -> str:
@@ -169,7 +169,7 @@ def _law(found: Estimate, seen: Layers) -> str:
     if e.law == "thermal":
         own = apparent_energy(seen.points, seen.dark)
         beside = f" (dark signal: {number(own, 2)} eV)" if own is not None else ""
-        return f"with an activation energy of {_told(e, 'ea_ev', found.errors)} eV{beside}"
+        return f"with an activation energy of {_stated(e, 'ea_ev', found.errors)} eV{beside}"
     varied = [name for name, values in (
         ("temperature", [p.temperature_c for p in seen.points]),
         ("exposure", [p.exposure_s for p in seen.points]),

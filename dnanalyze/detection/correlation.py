@@ -96,14 +96,10 @@ def lag_correlation(images: np.ndarray) -> LagCorrelation:
     for image in images:
         x = clipped(image)
         x = x - x.mean()
-        sums += [
-            np.mean(x * x),
-            np.mean(x[:, 1:] * x[:, :-1]),
-            np.mean(x[:, 2:] * x[:, :-2]),
-            np.mean(x[:, 3:] * x[:, :-3]),
-            np.mean(x[1:] * x[:-1]), np.mean(x[2:] * x[:-2]), np.mean(x[3:] * x[:-3]),
-            (np.mean(x[1:, 1:] * x[:-1, :-1]) + np.mean(x[1:, :-1] * x[:-1, 1:])) / 2,
-        ]  # fmt: skip
+        along = [np.mean(x[:, lag:] * x[:, : x.shape[1] - lag]) for lag in range(4)]
+        down = [np.mean(x[lag:] * x[:-lag]) for lag in (1, 2, 3)]
+        across = (np.mean(x[1:, 1:] * x[:-1, :-1]) + np.mean(x[1:, :-1] * x[:-1, 1:])) / 2
+        sums += [*along, *down, across]
     variance = sums[0] / len(images)
     r = sums[1:] / sums[0] if sums[0] > 0 else np.zeros(7)
     return LagCorrelation(

@@ -9,17 +9,17 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.analyzers.estimators.saturation import saturation
-from dnanalyze.detection import kept
+from dnanalyze.detection import evidence_cache
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import SATURATED, VIEWS, ViewEvidence, gather, listed
-from dnanalyze.detection.reasons import reason
 from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import SuppressionSeries, suppression_series
-from dnanalyze.detection.verdict import TestResult, ask, decide
+from dnanalyze.detection.verdict import FINE, TestResult, ask, decide, reason
 from dnanalyze.executors import in_order
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.progress import Progress
+from dnanalyze.significance import RARE
 
 WORKERS = 2  # groups in memory at a time
 
@@ -27,7 +27,7 @@ WORKERS = 2  # groups in memory at a time
 def detect(
     captures: CaptureSet,
     *,
-    alpha: float = 1e-3,
+    alpha: float = RARE,
     progress: Progress | None = None,
     executor: Executor | None = None,
 ) -> Detection:
@@ -62,14 +62,14 @@ def detect(
     >>> dnanalyze.detect(captures).filtered
     False
     """
-    entry = kept.held(captures)
-    evidence = kept.get(entry) if entry else None
+    entry = evidence_cache.entry_of(captures)
+    evidence = evidence_cache.read(entry) if entry else None
     if evidence is None:
         evidence = _with_lists(
             _same_well(_gather(groups(captures), progress, executor)), across(captures)
         )
         if entry:
-            kept.put(entry, evidence)
+            evidence_cache.write(entry, evidence)
     answers = ask(evidence, alpha)
     kind, flags = decide(answers)
     filter_estimate = estimate(kind, flags, evidence) if flags else None
@@ -220,7 +220,7 @@ def _ambiguous(
         lists = "" if any(e.listed for e in evidence) else " and static replacement"
         said.append(f"Single frames: temporal filters{lists} are not detectable.")
     said += _saturated(evidence)
-    coarse = {e.point.label() for e in evidence if e.noise < 0.75 * e.step}
+    coarse = {e.point.label() for e in evidence if e.noise < FINE * e.step}
     if coarse:
         said.append(
             f"Noise below the quantization step at {'; '.join(sorted(coarse))}: a weak filter is "

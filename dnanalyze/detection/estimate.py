@@ -14,10 +14,9 @@ from dnanalyze.detection.replaced import RULES
 from dnanalyze.detection.results import FilterEstimate, TailBound
 from dnanalyze.detection.tests import LEAST_SITES, FilterTest
 from dnanalyze.detection.verdict import CAUSES, TestResult
+from dnanalyze.significance import NOTICEABLE, SIGN
 
 REPLACEMENTS = {"mean": "mean", "median": "midpoint", "fifth": "median"}  # of 8 values
-LEAST_THRESHOLD = 2.5  # in units of the noise
-QUIET = 4.0  # neighbours' maximum above the base, in units of the noise, where none is hot
 
 
 def estimate(kind: str, flags: list[TestResult], evidence: list[ViewEvidence]) -> FilterEstimate:
@@ -120,8 +119,8 @@ def _line(out: StandingOut, noise: float) -> tuple[float, float] | None:
         if not np.isfinite(bounds[k]):
             continue
         step = SLOPES[k + 1] - SLOPES[k]
-        ladder = 0.12 * bounds[k]  # its steps are of 10 %
-        if not bounds[k] - bounds[k + 1] > QUIET * noise * step + ladder:
+        ladder = 0.12 * bounds[k]  # its steps are of 10 %; no quiet neighbour rises by 4 sigma
+        if not bounds[k] - bounds[k + 1] > NOTICEABLE * noise * step + ladder:
             return SLOPES[k], float(bounds[k])
     return None
 
@@ -131,7 +130,7 @@ def _end(top: Excess, noise: float) -> float:
     elsewhere; infinite: none.
     """
     ends = (top.own < 0.05 * top.control) & (top.control >= LEAST_SITES * top.frames)
-    ends &= top.bounds >= LEAST_THRESHOLD * noise
+    ends &= top.bounds >= SIGN * noise
     return float(top.bounds[ends][0]) if ends.any() else np.inf
 
 

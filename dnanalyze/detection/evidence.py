@@ -130,7 +130,7 @@ def gather(
     clipped = max(_clipped_share(stack), ends.share)
     ceiling = ends.high if ends.plateau else _ceiling(stack)
     clean = [without_transients(p.raw, noise) for p in parts]
-    counted = _replaced(parts, noise, ends) if stack.shape[0] >= 3 else []
+    found = _replaced(parts, noise, ends) if stack.shape[0] >= 3 else []
 
     return ViewEvidence(
         view,
@@ -144,13 +144,13 @@ def gather(
         np.quantile(stack[:, ::3, ::3], LEVELS),
         clipped < SATURATED and noise > 0.3 * parts[0].step,
         {8: exceedance(images, 8), 12: exceedance(images[:1], 12), 24: exceedance(images[:1], 24)},
-        _recorded(parts),
+        exceedance(np.stack([without_lines(p.dithered()[0]) for p in parts])),
         octave_spectrum(images),
         lag_correlation(np.stack([without_tones(image) for image in images])),
         texture(images),
-        _standing_out(clean, 1, noise, ceiling, counted),
-        _standing_out(clean, 2, noise, ceiling, counted),
-        sum(counted[1:], counted[0]) if counted else None,
+        _standing_out(clean, 1, noise, ceiling, found),
+        _standing_out(clean, 2, noise, ceiling, found),
+        sum(found[1:], found[0]) if found else None,
         None,
         _memory(parts) if group.repeats else None,
         equal_neighbours(parts[0].raw),
@@ -175,7 +175,7 @@ def _parts(stack: np.ndarray, view: str) -> list[Plane]:
     h, w = np.min([p.raw.shape[1:] for p in parts], axis=0)
     if min(h, w) < SMALLEST:
         return []
-    return [Plane(p.name, p.raw[:, :h, :w], p.step) for p in parts]
+    return [Plane(p.raw[:, :h, :w], p.step) for p in parts]
 
 
 def _noise(images: list[np.ndarray], step: float) -> float:
@@ -187,11 +187,6 @@ def _noise_images(plane: Plane, temporal: bool) -> np.ndarray:
     if temporal:
         return pair_differences(smooth)
     return without_shading(smooth[0])[None]
-
-
-def _recorded(parts: list[Plane]) -> Exceedance:
-    frames = [without_lines(p.dithered()[0]) for p in parts]
-    return exceedance(np.stack(frames))
 
 
 def _standing_out(

@@ -19,10 +19,11 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from dnanalyze.significance import CERTAIN
+
 CONTROLS = ((0, 8), (8, 0))  # and opposite: same row or column, same colour
 LADDER = np.concatenate([np.arange(0, 8, 0.25), np.geomspace(8, 4000, 64)])  # in units of the noise
 RATIOS = np.geomspace(1.0, 20.0, LADDER.size)  # crosstalk of 2 % forbids more than 42 by itself
-HOT = 6.0  # above the base, in units of the noise: what the rules of a slope look at
 MOST_PAIRS = 1 << 13  # kept of a stack
 SLOPES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 RATIO = 0.0
@@ -106,7 +107,7 @@ def _pairs(
     return np.stack(values, axis=1).astype(np.float32)
 
 
-def without_transients(stack: np.ndarray, noise: float, sigmas: float = 6.0) -> np.ndarray:
+def without_transients(stack: np.ndarray, noise: float, sigmas: float = CERTAIN) -> np.ndarray:
     """Values far from the pixel's median over time replaced by it: hits and blinking, not hot
     pixels.
 
@@ -188,7 +189,7 @@ def standing_out(
     hot = (
         np.array([RATIO, *SLOPES]),
         np.concatenate([RATIOS[None], np.tile(ladder, (len(SLOPES), 1))]),
-        HOT * unit,
+        CERTAIN * unit,
     )
     counts = [np.zeros((len(rules), 2, LADDER.size + 1)) for rules, _, _ in (plain, hot)]
     bases, pairs = [], []
@@ -198,7 +199,7 @@ def standing_out(
     for frame in stack:
         top = ring_maximum(frame, reach)
         bases.append(float(np.median(frame[::5, ::5])))
-        pairs.append(_pairs(frame, top, skip, reach, bases[-1], HOT * unit, ceiling))
+        pairs.append(_pairs(frame, top, skip, reach, bases[-1], CERTAIN * unit, ceiling))
         for count, (rules, bounds, floor) in zip(counts, (plain, hot), strict=True):
             count += _survival(
                 frame, top, skip, reach, np.array(CONTROLS),

@@ -18,6 +18,7 @@ import numpy as np
 from scipy import optimize, stats
 
 from dnanalyze.detection.flatten import centre_and_sd, robust_sd, without_lines, without_tones
+from dnanalyze.significance import CLEAR
 
 LEAST_PIXELS = 200
 LEAST_FRAMES = 6  # for their pairs to say what pixels share
@@ -77,10 +78,10 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
         return None
     mean = stack.mean(axis=0)
     pattern = mean - np.median(mean)
-    ordinary = (np.abs(pattern) < 5 * robust_sd(pattern)) & ~_at_an_end(stack)
-    if ordinary.sum() < LEAST_PIXELS:
+    regular = (np.abs(pattern) < CLEAR * robust_sd(pattern)) & ~_at_an_end(stack)
+    if regular.sum() < LEAST_PIXELS:
         return None
-    pattern_here = np.where(ordinary, pattern, np.float32(0))
+    pattern_here = np.where(regular, pattern, np.float32(0))
     power = float((pattern_here * pattern_here).mean())
     squares = np.zeros_like(mean)
     rest = np.empty_like(stack)
@@ -93,7 +94,7 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
     typical = np.median(squares)
     if typical <= 0:
         return None
-    keep = ordinary & (squares > 0.05 * typical) & (squares < 2.5 * typical)
+    keep = regular & (squares > 0.05 * typical) & (squares < 2.5 * typical)
     if keep.sum() < LEAST_PIXELS:
         return None
     scaled = rest[:, keep] / np.sqrt(squares[keep])

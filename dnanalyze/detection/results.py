@@ -56,18 +56,7 @@ class Finding:
 
     def to_plain(self) -> dict[str, Any]:
         """As in the JSON report."""
-        return {
-            "test": self.test,
-            "kind": self.kind,
-            "temperature_c": _finite(self.temperature_c),
-            "p_value": _finite(self.p_value),
-            "effect_size": _finite(self.effect_size),
-            "flagged": bool(self.flagged),
-            "view": self.view,
-            "words": self.words,
-            "limit": _finite(self.limit),
-            "reason": self.reason,
-        }
+        return _plain(vars(self))
 
 
 @dataclass(frozen=True)
@@ -213,7 +202,7 @@ class Detection(Result):
 
 
 def _plain(raw: dict[str, Any]) -> dict[str, Any]:
-    return {k: v if isinstance(v, str) else _finite(v) for k, v in raw.items()}
+    return {k: v if isinstance(v, (str, bool)) else _finite(v) for k, v in raw.items()}
 
 
 def _finite(value: Any) -> Any:

@@ -128,23 +128,20 @@ class Plane:
 
     Parameters
     ----------
-    name : str
-        "frame", or the phase in the mosaic such as "00".
     raw : ndarray
         (frames, rows, columns), float32, DN as recorded.
     step : float
         Spacing of the recorded values, DN.
     """
 
-    name: str
     raw: np.ndarray
     step: float
 
-    def dithered(self, seed: int = 0) -> np.ndarray:
+    def dithered(self) -> np.ndarray:
         """With +-1/2 step of uniform noise, so that ties are broken evenly."""
         if not self.step:
             return self.raw
-        rng = np.random.default_rng([seed, self.raw.size])
+        rng = np.random.default_rng([0, self.raw.size])
         return self.raw + np.float32(self.step) * (
             rng.random(self.raw.shape, dtype=np.float32) - np.float32(0.5)
         )
@@ -152,11 +149,8 @@ class Plane:
 
 def planes(stack: np.ndarray, mosaic: tuple[int, int] | None) -> Iterator[Plane]:
     """The whole frame for ``None``, else one plane for each phase of a (rows, columns) block."""
-    step = least_step(stack)
-    if mosaic is None:
-        yield Plane("frame", np.ascontiguousarray(stack, np.float32), step)
-        return
-    for y in range(mosaic[0]):
-        for x in range(mosaic[1]):
-            part = stack[:, y :: mosaic[0], x :: mosaic[1]]
-            yield Plane(f"{y}{x}", np.ascontiguousarray(part, np.float32), step)
+    step, (rows, columns) = least_step(stack), mosaic or (1, 1)
+    for y in range(rows):
+        for x in range(columns):
+            part = stack[:, y::rows, x::columns]
+            yield Plane(np.ascontiguousarray(part, np.float32), step)

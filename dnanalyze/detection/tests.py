@@ -9,6 +9,7 @@ sensors show (``FilterTest.limit``): at a million pixels everything is significa
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy import stats
@@ -19,14 +20,13 @@ from dnanalyze.detection.excess import Excess, StandingOut
 from dnanalyze.detection.replaced import RULES, Replaced
 from dnanalyze.detection.sharpness import tail
 from dnanalyze.digits import minus
+from dnanalyze.significance import SIGN
 
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
-LEAST_THRESHOLD = 2.5  # in units of the noise
 HOTTER = 8.0  # in units of the noise, from which rules of a slope are asked
 HIGHEST_THRESHOLD = 64.0  # in units of the noise
 ASKED_SLOPES = (2.0, 4.0)
 TRIED = 8  # independent bounds, about: the counts of bounds within a factor of 2 overlap
-SHARP = 0.5  # of the least that clusters leave is missing
 LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which no edge is placed there
 LEAST_REPLACED = 8
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
@@ -72,21 +72,18 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     shared = lag.short_range_under_flicker if e.temporal else lag.short_range
     extra = 0.0 if e.temporal else 0.02  # the fixed pattern of one frame is less exchangeable
     chords = e.spectrum.independent_chords  # the one that rises most was taken
+    denoise = partial(_denoise, e)
     asked = [
-        FilterTest(
+        denoise(
             "spectral_corner",
-            "denoise",
-            e,
             min(1.0, chords * one_sided(bend, bend_se)),
             bend,
             0.08 + 2 * extra + room * bound.concavity,
             f"the spectrum of the noise is flat at low and falls at high frequencies: ln P lies "
             f"{bend:.2f} above a chord; for white noise with 1/f noise it lies below every chord",
         ),
-        FilterTest(
+        denoise(
             "crosstalk_or_denoise",
-            "denoise",
-            e,
             one_sided(shared, lag.short_range_error),
             shared,
             0.02 + extra + room * bound.short_range,
@@ -104,10 +101,8 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     repeat = (own - far) / max(1 - far, 1e-6)
     se = np.sqrt(max(far * (1 - far), 1 / pixels) / pixels) * 2
     asked.append(
-        FilterTest(
+        denoise(
             "median_equality",
-            "denoise",
-            e,
             one_sided(own - far, se),
             repeat,
             0.14,
@@ -118,6 +113,12 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     return asked
 
 
+def _denoise(
+    e: ViewEvidence, test: str, p: float, effect: float, limit: float, words: str
+) -> FilterTest:
+    return FilterTest(test, "denoise", e, p, effect, limit, words)
+
+
 def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[FilterTest]:
     """Tests that tell the kind of a filter but never speak alone.
 
@@ -125,31 +126,26 @@ def _backed(e: ViewEvidence, backed: bool, rarer_limit: float) -> list[FilterTes
     """
     rank, t = e.rank[8], e.texture
     rarer, uneven = 1 - rank.extremes, t.dispersion - 1
+    denoise = partial(_denoise, e)
     return [
-        FilterTest(
+        denoise(
             "rank_exceedance",
-            "denoise",
-            e,
             one_sided(rarer, rank.se),
             rarer,
             rarer_limit if backed else np.inf,
             f"local extremes of the noise are {100 * rarer:.1f} % less frequent than for "
             "exchangeable pixels",
         ),
-        FilterTest(
+        denoise(
             "local_variance",
-            "denoise",
-            e,
             one_sided(uneven, t.dispersion_se),
             uneven,
             0.3 if backed else np.inf,
             "the noise varies over the field: the variances of 4×4 tiles scatter "
             f"{t.dispersion:.2f} times as much as those of independent pixels",
         ),
-        FilterTest(
+        denoise(
             "wavelet_kurtosis",
-            "denoise",
-            e,
             one_sided(t.hh_excess, t.hh_se),
             t.hh_excess,
             0.3 if backed else np.inf,
@@ -191,7 +187,7 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
     fit = seen.shown
     if test != "ratio_rule":
         # below, read noise makes the tail; beyond, saturated charge spills over and hides the rest
-        least = HOTTER if slope > 1 else LEAST_THRESHOLD
+        least = HOTTER if slope > 1 else SIGN
         fit = fit & (top.bounds >= least * e.noise) & (top.bounds <= HIGHEST_THRESHOLD * e.noise)
     p = np.where(fit, stats.poisson.cdf(np.floor(seen.left), seen.least), 1.0)
     j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
@@ -199,7 +195,8 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
     times = "" if slope == 1 else f"{slope:g} times "
     return FilterTest(
         test, "dpc", e, min(1.0, float(p[j]) * TRIED),
-        1 - float(seen.left[j] / max(seen.least[j], 1e-9)) if fit[j] else 0.0, SHARP,
+        1 - float(seen.left[j] / max(seen.least[j], 1e-9)) if fit[j] else 0.0,
+        0.5,  # half of the least that clusters leave is missing
         f"{seen.left[j]:.1f} pixels of a frame are {top.bounds[j]:.3g} to "
         f"{2 * top.bounds[j]:.3g} {unit} {times}the largest of their {out.neighbours} neighbours; "
         f"the tail below predicts at least {seen.least[j]:.0f}, even for hot pixels in clusters",

@@ -1,9 +1,11 @@
-"""One verdict from all answers: Holm's correction, what nature can mimic, and agreement between
-tests.
+"""One verdict from all answers, and why an answer does not count.
+
+By Holm's correction, by what nature can mimic, and by the agreement between tests.
 """
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from dataclasses import dataclass, replace
 
@@ -12,6 +14,7 @@ import numpy as np
 from dnanalyze.detection import tests
 from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.tests import FilterTest
+from dnanalyze.digits import number
 from dnanalyze.loaders.captures import OperatingPoint
 
 FINE = 0.75  # noise over step from which rounding no longer hides a filter
@@ -20,6 +23,12 @@ ROUND = 0.15  # correlation of next neighbours of a colour beyond that of farthe
 SLIGHT = {
     "spectral_corner": 0.4, "crosstalk_or_denoise": 0.1, "median_equality": 0.28, "row_phase": 0.06,
 }  # fmt: skip
+NOT_SIGNIFICANT = "not significant after Holm's correction"
+KINDS = {
+    "dpc": "defect-pixel correction",
+    "denoise": "spatial denoise",
+    "temporal_denoise": "temporal denoise",
+}
 CAUSES = (
     "cap_to_neighbours", "dynamic_threshold", "ratio_rule", "ratio_and_threshold",
     "static_replacement",
@@ -176,3 +185,36 @@ def _only_maxima(answers: list[TestResult]) -> bool:
     up = np.mean([1 - 9 * r.above / r.pixels for r in seen.values()])
     down = np.mean([1 - 9 * r.below / r.pixels for r in seen.values()])
     return bool(up > 0.01 and down < 0.4 * up)
+
+
+def reason(answer: TestResult, kind: str, speaks: bool, also: tuple[str, ...], alpha: float) -> str:
+    """Why an answer does not count; empty for one that speaks for the verdict.
+
+    Parameters
+    ----------
+    answer : TestResult
+    kind : str
+        Of the verdict.
+    speaks : bool
+        It is one of the answers that the verdict rests on.
+    also : tuple of str
+        Further kinds of which there are signs.
+    alpha : float
+        Chance of a false alarm over all questions.
+    """
+    asked = answer.asked
+    if speaks:
+        return ""
+    if not answer.holm < alpha:
+        return NOT_SIGNIFICANT
+    if not answer.judge:
+        return "not used here: crosstalk or quantization can cause it; only the lowest noise counts"
+    if not math.isfinite(asked.limit):
+        return "not sufficient alone: periodic noise, particle hits or clusters can cause it"
+    if not asked.effect > asked.limit:
+        return f"effect size up to {number(asked.limit, 2)} occurs in unfiltered sensors"
+    if kind in (asked.kind, "none"):
+        return "too few operating points agree"
+    if asked.kind in also:
+        return f"indicates {KINDS[asked.kind]} as well"
+    return f"explained by the {KINDS[kind]}"

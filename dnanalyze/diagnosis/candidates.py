@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnanalyze.diagnosis.classifier_tests import told_apart
+from dnanalyze.diagnosis.classifier_tests import without_distinguished
 from dnanalyze.diagnosis.filter_tests import DENIED, FILTERS, denied, without_denied
 from dnanalyze.diagnosis.forms import in_best_form
-from dnanalyze.diagnosis.gains import judged, judged_by_prediction
+from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
 from dnanalyze.diagnosis.nuisance import without_biased
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.score_test import Guess, along, much_left, score_tests
@@ -28,8 +28,7 @@ from dnanalyze.diagnosis.selection import (
     standings,
 )
 from dnanalyze.fitting.changes import part_for
-from dnanalyze.fitting.derivatives import derive
-from dnanalyze.fitting.free_parameters import free_parameters
+from dnanalyze.fitting.derivatives import GROWTH, derive
 from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
@@ -48,8 +47,7 @@ STARTS = 3
 # Least share of a strength from one start to the next: farther, the logarithms of the statistics
 # are no straight line. From 27 times their size, column offsets began at 0.08 of it, where the
 # statistics hardly move, and stayed there.
-WEAKER = 1.0 / 8.0
-NEAR = 0.5  # share of a guess: half and twice a strength are forms that are tried (`forms`)
+WEAKER = 1.0 / GROWTH
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ def trials(
         t for t in _at_their_optima(null, found, promises) if shown(null.problem, t.state, t.effect)
     ]
     tested = by_standing([_tested(null.problem, t, made) for t in made])
-    return by_standing(told_apart(null.problem, tested))
+    return by_standing(without_distinguished(null.problem, tested))
 
 
 def refitted_once(
@@ -139,7 +137,7 @@ def _refits(
         gained = null.state.loss - ended.loss
         reach = max(reach, gained / own[0].promise)
         wanted = min(wanted, null.state.loss - COMPETING_SHARE * gained)
-        found.append(replace(judged(null, name, ended), others=_of_other_kinds(own)))
+        found.append(replace(trial_of(null, name, ended), others=_of_other_kinds(own)))
         on_trial(SoFar(list(guesses), list(found)))
     return found
 
@@ -193,7 +191,7 @@ def _at_their_optima(
     """The leader and its contenders at their optima, where the choice is open.
 
     Contenders are in their best forms, and take the derivatives of what they share from the leader.
-    All of these are judged by what sensors of their design show.
+    All of these are compared by what sensors of their design show.
     """
     if not found:
         return found
@@ -210,9 +208,9 @@ def _at_their_optima(
             begun = best = like if t is leader else with_derivatives_of(t.state, like)
             if len(near) > 1:
                 best = in_best_form(null.problem, replace(t, state=begun))
-            ended = judged(null, t.effect, minimise(null.problem, best, FIT_STEPS))
+            ended = trial_of(null, t.effect, minimise(null.problem, best, FIT_STEPS))
             formed = len(near) > 1 and best is begun
-            t = judged_by_prediction(null, replace(ended, others=t.others, formed=formed))
+            t = trial_by_prediction(null, replace(ended, others=t.others, formed=formed))
         made.append(t)
     return made
 
@@ -239,7 +237,7 @@ def refitted_beside(here: FittedModel, tried: Sequence[Trial]) -> list[Trial]:
     """
     least = here.state.loss - EVIDENCE_DECISIVE
     made = [
-        judged(here, t.effect, _refitted_in(here.problem, here.state, t, least))
+        trial_of(here, t.effect, _refitted_in(here.problem, here.state, t, least))
         for t in tried
         if t.effect not in FILTERS and here.state.model.get(t.effect) is None
     ]
@@ -252,7 +250,7 @@ def _refitted_in(problem: FitProblem, state: State, found: Trial, least: float) 
     effect = found.state.model.get(found.effect)
     assert effect is not None
     model = state.model.with_effect(effect)
-    begun = start(problem, model, free_parameters(model), like=state)
+    begun = start(problem, model, like=state)
     own = with_derivatives_of(begun, found.state).jacobian
     known = np.where(np.isnan(begun.jacobian), own, begun.jacobian)
     return minimise(problem, replace(begun, jacobian=known), FIT_STEPS, below=least)
@@ -273,17 +271,17 @@ def _begun(problem: FitProblem, guess: Guess, like: State) -> State:
     A refit that begins far beyond does not come back. A guess that comes with corrected nuisance
     parameters begins as it is, since these go with its strength.
     """
-    begun = start(problem, guess.model, free_parameters(guess.model), like=like)
+    begun = start(problem, guess.model, like=like)
     if guess.model.without(guess.effect) != like.model:
         return begun
     for _ in range(STARTS):
         effect = begun.model.get(guess.effect)
         share = along(like, like.train - begun.train).share
-        if effect is None or share >= NEAR:
+        if effect is None or share >= 0.5:  # half and twice a strength are forms (`forms`)
             break
         weaker = at_factor(effect, max(share, WEAKER))
         if weaker is None:
             break
         model = begun.model.with_effect(weaker)
-        begun = start(problem, model, free_parameters(model), like=like)
+        begun = start(problem, model, like=like)
     return begun

@@ -10,23 +10,25 @@ from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.selection import EVIDENCE_NULL, Trial, competitors, significant
 from dnanalyze.fitting.problem import FitProblem
 
-TOLD = "a classifier tells the simulated frames from the measured ones with this effect added"
+DISTINGUISHED = (
+    "a classifier tells the simulated frames from the measured ones with this effect added"
+)
 POINTS = 2  # far apart in temperature and exposure: two fifths of the time of all five
 
 
-def told_apart(problem: FitProblem, ranked: Sequence[Trial]) -> list[Trial]:
+def without_distinguished(problem: FitProblem, ranked: Sequence[Trial]) -> list[Trial]:
     """The trials without competitors whose frames a classifier distinguishes.
 
-    That is done only where the frames of one of them cannot be told. It is not asked while the
-    model is far off: the frames of all candidates are then told by what else is missing.
+    Only where the frames of one of them are not distinguished, and not while the model is far off:
+    the frames of all candidates then differ by what else is missing.
     """
     alike = _competing(ranked)
     if len(alike) < 2 or far_off(alike[0].state):
         return list(ranked)
-    told = [t for t in alike if _tells(problem, t)]
-    if len(told) == len(alike):
+    distinguished = [t for t in alike if _distinguishes(problem, t)]
+    if len(distinguished) == len(alike):
         return list(ranked)
-    return [replace(t, denied=TOLD) if t in told else t for t in ranked]
+    return [replace(t, denied=DISTINGUISHED) if t in distinguished else t for t in ranked]
 
 
 def _competing(ranked: Sequence[Trial]) -> list[Trial]:
@@ -37,7 +39,7 @@ def _competing(ranked: Sequence[Trial]) -> list[Trial]:
     return [ranked[0], *(t for t in ranked[1:] if t.effect in near and not t.denied)]
 
 
-def _tells(problem: FitProblem, found: Trial) -> bool:
+def _distinguishes(problem: FitProblem, found: Trial) -> bool:
     model, captures = found.state.model, problem.plan.captures
     return classify_on(
         captures,

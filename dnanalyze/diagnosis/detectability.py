@@ -63,15 +63,17 @@ def detection_limits(
     seen = Readings(problem.measured[0])
     noise, level = seen.value("frame_noise_core"), seen.value("mean")
     calm, warm = int(np.nanargmin(noise)), int(np.nanargmax(level))
-    asked = {}
+    strengths = {}
     for name, effect in known.items():
         strength = _strength(effect, float(np.nanmin(noise)))
         if state.model.get(name) is None and strength is not None:
-            asked[name] = _Asked(effect, *strength)
+            strengths[name] = _Strength(effect, *strength)
     least: dict[str, float] = {}
     for readout, placing in itertools.product((True, False), Placing):
         alike = {
-            n: a for n, a in asked.items() if (a.readout, a.effect.placing) == (readout, placing)
+            n: a
+            for n, a in strengths.items()
+            if (a.readout, a.effect.placing) == (readout, placing)
         }
         if alike:
             where = {calm} if readout else {calm, warm}
@@ -79,12 +81,12 @@ def detection_limits(
             least |= _least_shown(view, state.model, alike)
     return {
         name: DetectionLimit(name, a.parameter, least[name], a.info.unit)
-        for name, a in asked.items()
+        for name, a in strengths.items()
     }
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Strength:
     """An effect, the parameter that says how strong it is, and a strength that shows."""
 
     effect: type[Effect]
@@ -104,24 +106,26 @@ class _Asked:
         return replace(self.effect(), **{self.parameter: strength})
 
     def limit(self, strength: float, gain: float) -> float:
-        """Where the gain would be what is asked of an effect."""
+        """Where the gain would be what an effect must reach."""
         power = 4.0 if self.readout else 2.0
         return float(min(strength * (EVIDENCE_ODDS_10 / gain) ** (1.0 / power), self.info.upper))
 
 
-def _least_shown(view: _View, model: NoiseModel, asked: Mapping[str, _Asked]) -> dict[str, float]:
+def _least_shown(
+    view: _View, model: NoiseModel, strengths: Mapping[str, _Strength]
+) -> dict[str, float]:
     """Strengths that would be called missing, from such as show; NaN where 100 times do not."""
-    least = dict.fromkeys(asked, float("nan"))
+    least = dict.fromkeys(strengths, float("nan"))
     for times in (1.0, 10.0, 100.0):
         tried = {
             name: times * a.first
-            for name, a in asked.items()
+            for name, a in strengths.items()
             if np.isnan(least[name]) and times * a.first <= a.info.upper
         }
-        gains = view.gains([model.with_effect(asked[n].at(s)) for n, s in tried.items()])
+        gains = view.gains([model.with_effect(strengths[n].at(s)) for n, s in tried.items()])
         for (name, strength), gain in zip(tried.items(), gains, strict=True):
             if gain > LEAST_GAIN:
-                least[name] = asked[name].limit(strength, gain)
+                least[name] = strengths[name].limit(strength, gain)
     return least
 
 

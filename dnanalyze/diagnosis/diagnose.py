@@ -19,7 +19,7 @@ from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, tr
 from dnanalyze.diagnosis.detectability import detection_limits
 from dnanalyze.diagnosis.explain import evidence_against, evidence_for, next_capture
 from dnanalyze.diagnosis.forms import completed
-from dnanalyze.diagnosis.gains import judged
+from dnanalyze.diagnosis.gains import trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Candidate, Diagnosis
 from dnanalyze.diagnosis.score_test import score_tests
@@ -36,9 +36,8 @@ from dnanalyze.diagnosis.selection import (
 from dnanalyze.diagnosis.spread_law import in_words
 from dnanalyze.diagnosis.stepwise import choose, supported
 from dnanalyze.fitting.agreement import agreements
-from dnanalyze.fitting.fit import paper_start, with_seed
+from dnanalyze.fitting.fit import starting_model
 from dnanalyze.fitting.from_part import converge, fitted, fitted_in_time
-from dnanalyze.fitting.measured_parameters import at_measured_parameters
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
@@ -141,9 +140,7 @@ def diagnose_on(
     limit = TimeLimit.after(budget)
     problem = problem or problem_of(captures, model, executor)
     limited = problem.within(limit)
-    model = at_measured_parameters(
-        problem, with_seed(problem, model, seed) or paper_start(problem, exclude)
-    )
+    model = starting_model(problem, model, seed, exclude)
     known = known_effects(() if known is None else known)
     open_to = {name: effect for name, effect in known.items() if name not in exclude}
     so_far = SoFar()
@@ -304,7 +301,7 @@ def _candidate(
     return Candidate(
         found.effect,
         found.error,
-        _explained(null.error, found.error),
+        _share(null.error, null.error - found.error),
         confidence_of(found, tried),
         competitors(found, tried),
         [*why, found.denied] if found.denied else why,
@@ -322,40 +319,40 @@ def _leader(
 
     Where none does, the effect may stand in for one that is in no catalogue.
     """
-    told, problem = _candidate(null, best, tried, known), null.problem
+    leader, problem = _candidate(null, best, tried, known), null.problem
     rival = next((t for t in tried if t is not best and not apart(best, t)), None)
     if rival is not None:
         against = evidence_against(problem, rival.state, best.state, rival.effect, best.effect)
-        told.evidence.extend([against] if against else [])
+        leader.evidence.extend([against] if against else [])
     with_it = FittedModel.of(problem, best.state)
-    told, left = _ends_at(told, null, with_it), with_it.unexplained
+    leader, left = _ends_at(leader, null, with_it), with_it.unexplained
     others = [t for t in tried if t is not best and significant(t)]
     second = next((t for t in others if null.corrects(left[:1], t.state)), None)
     if left and second is None and follow_up:
         ended = converge(problem, completed(problem, best), rounds=1, settled=DEFLATION, last=False)
         after = FittedModel.of(problem, ended)
-        told, left = _ends_at(told, null, after), after.unexplained
+        leader, left = _ends_at(leader, null, after), after.unexplained
         open_to = candidates_of(after.state, known, [BASE])
         further = supported(after, trials(after, open_to)) if left else None
         if further is not None and after.corrects(left[:3], further.state):
             second = further
     if not left:
-        return told, left
+        return leader, left
     worst = ", ".join(left[:3])
     if second is not None:
         words = f"it does not explain {worst}, which {second.effect} in addition would correct"
-        return replace(told, evidence=[*told.evidence, words], leaves=left), left
+        return replace(leader, evidence=[*leader.evidence, words], leaves=left), left
     words = (
         f"it does not explain {worst}, and no other candidate does: it may replace an effect that "
         "is not in the catalogue"
     )
-    sure = told.confidence * STANDS_IN
-    return replace(told, confidence=sure, evidence=[*told.evidence, words], leaves=left), left
+    sure = leader.confidence * STANDS_IN
+    return replace(leader, confidence=sure, evidence=[*leader.evidence, words], leaves=left), left
 
 
 def _ends_at(found: Candidate, null: FittedModel, after: FittedModel) -> Candidate:
     """The candidate with the model error of the model with it, by that model's own yardstick."""
-    explained = _explained(null.error, after.error)
+    explained = _share(null.error, null.error - after.error)
     return replace(found, error_after=after.error, explained=explained)
 
 
@@ -368,12 +365,14 @@ def unfinished(
     """
     error = null.error
     tried = by_standing(list(so_far.trials))
-    told = [_candidate(null, t, tried, known) for t in tried if t.gain > 0 and t.error_fall > 0]
+    candidates = [
+        _candidate(null, t, tried, known) for t in tried if t.gain > 0 and t.error_fall > 0
+    ]
     return Diagnosis(
         captures,
         error,
         "missing" if tried and significant(tried[0]) else "unexplained",
-        [replace(c, confidence=c.confidence * STANDS_IN) for c in told],
+        [replace(c, confidence=c.confidence * STANDS_IN) for c in candidates],
         [],
         model=null.state.model,
         trials=tried,
@@ -395,7 +394,7 @@ def _with_baseline_listed(
     if found.verdict == "missing":  # beside what is missing too
         ended = start(null.problem, found.trials[0].state.model, [])
     new = new_in(baseline.model, asked.model)
-    chance = float(confidences([judged(before, new[0], ended)])[0])
+    chance = float(confidences([trial_of(before, new[0], ended)])[0])
     error = FittedModel.of(problem, asked).error
     share = _share(error, error - null.error)
     listed = [
@@ -421,10 +420,6 @@ def _with_baseline_listed(
 
 def _by_confidence(candidates: Iterable[Candidate]) -> list[Candidate]:
     return sorted(candidates, key=lambda c: -c.confidence)
-
-
-def _explained(before: float, after: float) -> float:
-    return _share(before, before - after)
 
 
 def _share(error: float, fall: float) -> float:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Scale
+from dnanalyze.comparator.error import SATURATION
 from dnanalyze.comparator.words import listed, misfit, short_labels, side_by_side
 from dnanalyze.diagnosis.results import Candidate
 from dnanalyze.digits import number, unit_text
@@ -15,30 +14,16 @@ from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import built_in
+from dnanalyze.significance import STATED
 
-STATED_SINGLY = 3.0  # standard deviations from which a difference is stated by itself
 
-
-@dataclass(frozen=True)
-class Profile:
+def profile(problem: FitProblem, state: State) -> dict[str, float]:
     """Root mean square misfit of each statistic, over operating points and both halves."""
-
-    names: np.ndarray
-    size: np.ndarray
-
-    def of(self, name: str) -> float:
-        """Root mean square misfit of a statistic; 0 where it is absent."""
-        where = np.flatnonzero(self.names == name)
-        return float(self.size[where[0]]) if where.size else 0.0
-
-
-def profile(problem: FitProblem, state: State) -> Profile:
-    """Misfit by statistic."""
     names = np.concatenate([problem.train.names, problem.test.names])
-    z = np.minimum(np.abs(np.concatenate([state.train, state.test])), 1e4)
+    z = np.minimum(np.abs(np.concatenate([state.train, state.test])), SATURATION)
     unique, inverse = np.unique(names, return_inverse=True)
     size = np.sqrt(np.bincount(inverse, z**2) / np.bincount(inverse))
-    return Profile(unique, size)
+    return dict(zip(unique.tolist(), size.tolist(), strict=True))
 
 
 def evidence_for(
@@ -46,37 +31,37 @@ def evidence_for(
 ) -> list[str]:
     """Sentences on the statistics that the effect corrects, largest first."""
     was, now = profile(problem, before), profile(problem, after)
-    relief = {n: was.of(n) ** 2 - now.of(n) ** 2 for n in was.names}
+    relief = {n: was[n] ** 2 - now[n] ** 2 for n in was}
     for name in effect.fingerprint:  # of statistics that tell as much, the effect's own come first
         if name in relief:
             relief[name] *= 1.5
     closer = [n for n in relief if relief[n] > 0 and _size(was, n) != _size(now, n)]
     closer.sort(key=lambda n: -relief[n])
-    told = [
+    sentences = [
         f"{_sentence(problem, before, name)}; with {effect.name} "
         f"the difference falls from {_size(was, name)} to {_size(now, name)} sigma"
-        for name in [n for n in closer if was.of(n) >= STATED_SINGLY][:most]
+        for name in [n for n in closer if was[n] >= STATED][:most]
     ]
-    if not told:
-        told = [_in_sum(effect.name, was, now, closer[:most])]
+    if not sentences:
+        sentences = [_in_sum(effect.name, was, now, closer[:most])]
     character = {
         "fixed": "it is the same in every frame: a nonuniformity of the pixels or of the readout",
         "temporal": "it differs from frame to frame: temporal noise, not a nonuniformity",
     }.get(effect.varies)
-    return [*told, character] if character else told
+    return [*sentences, character] if character else sentences
 
 
-def _size(of: Profile, name: str) -> str:
-    return number(of.of(name), 2)
+def _size(of: dict[str, float], name: str) -> str:
+    return number(of[name], 2)
 
 
-def _in_sum(effect: str, was: Profile, now: Profile, names: list[str]) -> str:
+def _in_sum(effect: str, was: dict[str, float], now: dict[str, float], names: list[str]) -> str:
     """The sum of many small corrections, where no single one is large."""
     if not names:
         return f"no statistic comes closer with {effect}"
     parts = [f"{infos()[n].title} (from {_size(was, n)} to {_size(now, n)} sigma)" for n in names]
     return (
-        f"no single statistic that {effect} improves differed by {STATED_SINGLY:g} sigma before; "
+        f"no single statistic that {effect} improves differed by {STATED:g} sigma before; "
         f"several small differences fall, the largest in {', '.join(parts)}"
     )
 
@@ -86,14 +71,14 @@ def evidence_against(
 ) -> str | None:
     """Statistics that the best candidate corrects and the competitor does not."""
     left, right = profile(problem, rival), profile(problem, best)
-    gap = {n: left.of(n) - right.of(n) for n in left.names}
+    gap = {n: left[n] - right[n] for n in left}
     worst = max(gap, key=lambda n: gap[n])
-    if gap[worst] < STATED_SINGLY:
+    if gap[worst] < STATED:
         return None
     title = infos()[worst].title
     return (
-        f"with {rival_name} instead of {name} the difference in {title} is {left.of(worst):.1f} "
-        f"sigma, not {right.of(worst):.1f} sigma"
+        f"with {rival_name} instead of {name} the difference in {title} is {left[worst]:.1f} "
+        f"sigma, not {right[worst]:.1f} sigma"
     )
 
 
@@ -105,12 +90,12 @@ def _sentence(problem: FitProblem, state: State, name: str) -> str:
     if not here.size:
         return info.title
     z, model = state.train[here], train.predicted(state.train)[here]
-    told = np.isfinite(model)
-    if not told.any():
+    finite = np.isfinite(model)
+    if not finite.any():
         return f"the model shows nothing of it: {info.title}"
-    worst = int(np.argmax(np.where(told, np.abs(z), -1.0)))
+    worst = int(np.argmax(np.where(finite, np.abs(z), -1.0)))
     # the held-out half may be the one that differs
-    off = np.abs(z) >= min(STATED_SINGLY, abs(z[worst]))
+    off = np.abs(z) >= min(STATED, abs(z[worst]))
     i = here[worst]
     measured, simulated = float(train.values[i]), info.scale.plain(float(model[worst]))
     reproducibility_sd = float(train.reproducibility_sd[i])

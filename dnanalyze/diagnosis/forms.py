@@ -10,7 +10,7 @@ import numpy as np
 
 from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
 from dnanalyze.diagnosis.predictive_check import error_of
-from dnanalyze.diagnosis.score_test import restricted, telling
+from dnanalyze.diagnosis.score_test import informative, restricted
 from dnanalyze.diagnosis.selection import LEAST_GAIN, REFITS, Trial
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.free_parameters import free_parameters
@@ -20,7 +20,9 @@ from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, deviance, start, with_derivatives_of
 from dnanalyze.model.noise_model import NoiseModel
 
-TOLD_APART = 1.0  # squared misfit between two predictions: a likelihood ratio of e^(1/2) at most
+INDISTINGUISHABLE = (
+    1.0  # squared misfit between two predictions: a likelihood ratio of e^(1/2) at most
+)
 UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms
 
 
@@ -52,7 +54,7 @@ def in_best_form(problem: FitProblem, found: Trial) -> State:
         models += way(state.model, found.effect, least_noise(problem))
     better = state
     for model in _promising(problem, state, list(dict.fromkeys(models)))[:REFITS]:
-        other = start(problem, model, free_parameters(model), like=state)
+        other = start(problem, model, like=state)
         ended = minimise(
             problem, without_biased(problem, other, found.effect), FIT_STEPS, below=better.loss
         )
@@ -63,16 +65,16 @@ def in_best_form(problem: FitProblem, found: Trial) -> State:
 def _promising(problem: FitProblem, state: State, models: Sequence[NoiseModel]) -> list[NoiseModel]:
     """The models from which, by the derivatives of a state, its loss is within reach, lowest first.
 
-    At the two most telling operating points. Those whose predictions the captures do not tell from
-    the state's are no other forms: of a window of a large sensor, a glow of corners beyond it.
+    At the two most informative operating points. Those whose predictions do not differ from the
+    state's in the captures are no other forms: of a window, a glow of corners beyond it.
     """
-    settings = telling(problem, state)
+    settings = informative(problem, state)
     few, own = problem.only(settings), restricted(problem, state, settings)
     begun = []
     for model, found in zip(models, few.several(models), strict=True):
         there = replace(own, model=model, free=free_parameters(model), train=few.train.z(found))
         begun.append(with_derivatives_of(there, own))
-    other = [s for s in begun if np.sum((s.train - own.train) ** 2) > TOLD_APART]
+    other = [s for s in begun if np.sum((s.train - own.train) ** 2) > INDISTINGUISHABLE]
     near = [s for s in other if within_reach(s, own.loss)]
     return [s.model for s in sorted(near, key=lambda s: s.loss)]
 

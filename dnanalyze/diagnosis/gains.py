@@ -14,13 +14,13 @@ from dnanalyze.fitting.state import State, deviance
 from dnanalyze.model.effect import Effect
 
 
-def judged(null: FittedModel, effect: str, after: State) -> Trial:
+def trial_of(null: FittedModel, effect: str, after: State) -> Trial:
     """A refit, with what its own simulated sensor gained on either half."""
     was, now = (((s.train, np.ones(1)), (s.test, np.ones(1))) for s in (null.state, after))
     return _compared(null.problem, effect, after, was, now)
 
 
-def judged_by_prediction(null: FittedModel, found: Trial) -> Trial:
+def trial_by_prediction(null: FittedModel, found: Trial) -> Trial:
     """A refit, with what the predictive distribution of its design gained on either half.
 
     Each model by the mean of nine sensors of its design and by the standard deviation of another

@@ -10,13 +10,14 @@ import numpy as np
 
 from dnanalyze.comparator.error import pooled
 from dnanalyze.diagnosis.selection import TOLERABLE
-from dnanalyze.fitting.linear_step import linear_step
+from dnanalyze.fitting.design import MOST_SETTINGS
+from dnanalyze.fitting.least_squares import linear_step
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
 from dnanalyze.fitting.yardstick import REPLICATES, measured_by
+from dnanalyze.significance import CERTAIN
 
-BEYOND = 6.0  # standard deviations of the replicates, of some 100 statistics on both halves
-SCATTER = 0.25  # of a root mean square over 8 operating points at the least: 1 / sqrt(2 * 8)
+SCATTER = (2.0 * MOST_SETTINGS) ** -0.5  # of a root mean square over all operating points: .25
 
 # Misfits of a model and their standard deviations, on the fitted and on the held-out half.
 Halves = tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -152,14 +153,14 @@ class FittedModel:
 
     def _beyond(self) -> list[str]:
         own = self._misfits((self.state.train, self.state.test))
-        if all(size.min() <= BEYOND * SCATTER for size in own.values()):
+        if all(size.min() <= CERTAIN * SCATTER for size in own.values()):
             return []  # whatever replicates show
         drawn = self._misfits(self.replicates)
         found = []
         for name, size in own.items():
             mean, sd = drawn[name].mean(axis=1), drawn[name].std(axis=1, ddof=1)
             worst = float(np.min((size - mean) / np.maximum(sd, SCATTER)))
-            if worst > BEYOND:
+            if worst > CERTAIN:
                 found.append((worst, name))
         return [name for _, name in sorted(found, reverse=True)]
 

@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from dnanalyze.classifier.classify import classify_on
 from dnanalyze.diagnosis.diagnose import first_answer, judge
 from dnanalyze.diagnosis.explain import evidence_for
-from dnanalyze.diagnosis.gains import judged, judged_by_prediction
+from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Refinement, Step
 from dnanalyze.diagnosis.score_test import score_tests
@@ -19,8 +19,7 @@ from dnanalyze.diagnosis.search_path import NO_LIMITS, Path, SearchLimits
 from dnanalyze.diagnosis.selection import STANDS_IN, confidence_of
 from dnanalyze.diagnosis.stepwise import Search, supported
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.fit import fit_on, paper_start, with_seed
-from dnanalyze.fitting.free_parameters import free_parameters
+from dnanalyze.fitting.fit import fit_on, starting_model, with_seed
 from dnanalyze.fitting.from_part import converge, fitted_in_time
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.measured_parameters import at_measured_parameters
@@ -125,9 +124,7 @@ def refine_on(
     unlimited = problem or problem_of(captures, model, executor)
     problem = unlimited.within(limit)
     known = known_effects(() if known is None else known)
-    begun = at_measured_parameters(
-        unlimited, with_seed(unlimited, model, seed) or paper_start(unlimited, exclude)
-    )
+    begun = starting_model(unlimited, model, seed, exclude)
     open_to = {n: e for n, e in known.items() if n not in exclude}
     if first is not None:
         with suppress(TimeUp):
@@ -155,11 +152,13 @@ def refine_on(
     )
     if found.verdict == "unexplained" and search.near_enough(path):
         found = replace(found, verdict="missing")  # nothing was asked of what is left
-    told = None
+    classification = None
     if classifier and not limit.over:
         final = path.state.model
-        told = classify_on(captures, final, seed=final.seed, limit=limit, helpers=problem.helpers)
-        if told.tells and found.verdict == "adequate":
+        classification = classify_on(
+            captures, final, seed=final.seed, limit=limit, helpers=problem.helpers
+        )
+        if classification.tells and found.verdict == "adequate":
             found = replace(found, verdict="unexplained")
     steps = list(path.steps)
     if found.verdict == "unexplained":  # what stays unexplained, an effect may stand in for
@@ -173,7 +172,7 @@ def refine_on(
         verdict=found.verdict,
         diagnosis=found,
         timed_out=limit.over,
-        classification=told,
+        classification=classification,
     )
 
 
@@ -278,12 +277,12 @@ def add_on(
     if model is None:
         model = fit_on(captures, replicates=0, problem=problem, on_state=on_state).model
     model = at_measured_parameters(problem, model)
-    begun = start(problem, model, free_parameters(model))
+    begun = start(problem, model)
     null = FittedModel.of(problem, fitted_by_design(problem, begun, minimise))
     seen = score_tests(null.problem, null.state, {name: kind})
     larger = seen[0].model if seen else model.with_effect(kind())
-    begun = start(null.problem, larger, free_parameters(larger), like=null.state)
-    after = judged_by_prediction(null, judged(null, name, converge(null.problem, begun)))
+    begun = start(null.problem, larger, like=null.state)
+    after = trial_by_prediction(null, trial_of(null, name, converge(null.problem, begun)))
     ended = FittedModel.of(null.problem, after.state)
     yes = supported(null, [after]) is not None
     sure = confidence_of(after, [after]) * (1.0 if yes else STANDS_IN)

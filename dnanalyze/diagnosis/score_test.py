@@ -29,8 +29,8 @@ class Guess:
     """A candidate with initial values of its parameters.
 
     ``model``: with the effect. ``promise``: score test, the fall of the loss of the fitted half at
-    the two most telling operating points, if the statistics move along the guess and the nuisance
-    parameters follow linearly; less what these would gain alone.
+    the two most informative operating points, if the statistics move along the guess and the
+    nuisance parameters follow linearly; less what these would gain alone.
     """
 
     effect: str
@@ -72,24 +72,24 @@ def score_tests(
 class _View:
     """Two operating points, at which guesses are simulated. ``whole``: all of them.
 
-    ``idle``: loss that the nuisance parameters reach alone. ``noise``: of the operating point with
-    the least, DN. ``biased``: whether so much is missing that the level itself may be biased.
+    ``nuisance_loss``: loss that the nuisance parameters reach alone. ``noise``: of the operating
+    point with the least, DN. ``biased``: whether so much is missing that the level may be biased.
     """
 
     problem: FitProblem
     state: State
     whole: FitProblem
-    idle: float
+    nuisance_loss: float
     noise: float
     biased: bool
 
     @classmethod
     def of(cls, problem: FitProblem, state: State) -> _View:
-        settings = telling(problem, state)
+        settings = informative(problem, state)
         there = restricted(problem, state, settings)
-        idle = along(there, np.zeros(len(there.train))).loss
+        nuisance_loss = along(there, np.zeros(len(there.train))).loss
         few = problem.only(settings)
-        return cls(few, there, problem, idle, least_noise(problem), much_left(there))
+        return cls(few, there, problem, nuisance_loss, least_noise(problem), much_left(there))
 
     @cached_property
     def changes(self) -> Callable[[Placing], Changes]:
@@ -109,9 +109,9 @@ class _View:
         found = []
         for name, model, seen in made:
             if seen:
-                promise = self.idle - along(self.state, next(shifts)).loss
+                promise = self.nuisance_loss - along(self.state, next(shifts)).loss
             else:  # the fitted half has none of it
-                unseen, weight = self.problem.judged_z(model), self.problem.test.weight
+                unseen, weight = self.problem.held_out_z(model), self.problem.test.weight
                 promise = loss(self.state.test, weight) - loss(unseen, weight)
             found.append(Guess(name, model, promise))
         return found
@@ -127,7 +127,7 @@ def much_left(state: State) -> bool:
     return state.loss >= TOLERABLE * len(state.train)
 
 
-def telling(problem: FitProblem, state: State) -> list[int]:
+def informative(problem: FitProblem, state: State) -> list[int]:
     """The operating point with the largest loss, and the end of the series farther from it."""
     train = problem.train
     each = state.weight * deviance(state.train)

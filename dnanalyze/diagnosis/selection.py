@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dnanalyze.fitting.state import State, deviance
+from dnanalyze.significance import EVIDENCE_NULL, LEAST_GAIN
 
 if TYPE_CHECKING:
     from dnanalyze.diagnosis.score_test import Guess
@@ -20,17 +21,12 @@ if TYPE_CHECKING:
 # Neighbouring quantiles and bands are correlated, about eight of them as one, so that the deviance
 # overstates twice the log likelihood ratio.
 DEFLATION = 8.0
-# On 60 virtual sensors without a missing effect, 19 candidates were refitted: the smaller gain of
-# the halves reached 10, the mean of both 28.
-EVIDENCE_NULL = 25.0
-# Gain of either half; less is not worth a refit (Akaike: 3 parameters)
-LEAST_GAIN = EVIDENCE_NULL / 4.0
 # 62: odds of 10 against "nothing is missing"
 EVIDENCE_ODDS_10 = EVIDENCE_NULL + 2.0 * DEFLATION * math.log(10.0)
 EVIDENCE_DECISIVE = 300.0  # exceeds the variation between sensors of one design
 TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
-SHARED_GAIN = 0.25  # share of the smaller gain in common, below which two candidates do not compete
-# Share of the best evidence from which a competitor is reported as confounded
+# Share of the best evidence from which a competitor is reported as confounded. Two candidates that
+# have no more in common than it may lack do not compete.
 COMPETING_SHARE = 0.75
 # Candidates, and forms of one, that are refitted at most. With two forms the sensor `corrected` of
 # docs/accuracy.md takes 305 s for 217, since the third form of a dpc is the better one; five others
@@ -60,8 +56,8 @@ class Trial:
         Model error on the held-out half.
     error_fall : float
         By how much that is lower, by the same predictions as the gains, in units of the scatter.
-    spread : float
-        Overdispersion.
+    overdispersion : float
+        Of the loss.
     others : tuple of Guess
         Other guesses of the effect, not refitted.
     falls : ndarray
@@ -179,7 +175,7 @@ def significant(found: Trial, least: float = EVIDENCE_ODDS_10) -> bool:
 def apart(one: Trial, other: Trial) -> bool:
     """Whether two candidates explain different statistics, so that both may be missing."""
     a, b = (np.maximum(t.falls, 0.0) for t in (one, other))
-    return bool(np.minimum(a, b).sum() < SHARED_GAIN * min(a.sum(), b.sum()))
+    return bool(np.minimum(a, b).sum() < (1.0 - COMPETING_SHARE) * min(a.sum(), b.sum()))
 
 
 def alike(gain: float, best: float, overdispersion: float) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
-from dnanalyze.diagnosis.gains import judged
+from dnanalyze.diagnosis.gains import trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.derivatives import derive
@@ -22,10 +22,11 @@ from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters
 from dnanalyze.fitting.from_part import FIT_STEPS, converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
-from dnanalyze.fitting.state import State, root_weights
+from dnanalyze.fitting.state import State, root_weights, with_derivatives_of
 from dnanalyze.model.laws import ArrheniusLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE
+from dnanalyze.significance import RARE
 
 SPREAD = "delta"
 
@@ -41,13 +42,14 @@ def spread_law(null: FittedModel, wanted: float = math.inf) -> Trial | None:
     larger = with_law(state.model)
     if larger is None or len(temperatures) < 2:
         return None
-    begun = derive(problem, _begun(state, larger), only=_is_slope)
-    if score(begun) < chi2.isf(1e-3, 1):
+    same = replace(state, model=larger, free=free_parameters(larger))  # it changes nothing yet
+    begun = derive(problem, with_derivatives_of(same, state), only=_is_slope)
+    if score(begun) < chi2.isf(RARE, 1):
         return None
     ended = minimise(problem, begun, FIT_STEPS, below=wanted)
     if ended.loss <= wanted:
         ended = converge(problem, ended, rounds=1, last=False)
-    found = judged(null, BASE, ended)
+    found = trial_of(null, BASE, ended)
     return found if significant(found) else None
 
 
@@ -86,17 +88,6 @@ def in_words(problem: FitProblem, model: NoiseModel) -> str:
         f"the relative standard deviation of dark current {verb} from {cold:.3g} at "
         f"{celsius[0]:.4g} °C to {warm:.3g} at {celsius[-1]:.4g} °C"
     )
-
-
-def _begun(state: State, model: NoiseModel) -> State:
-    """The state of the same model with the law, which changes nothing yet."""
-    known = {k.name: i for i, k in enumerate(state.free)}
-    free = free_parameters(model)
-    jacobian = np.full((len(state.train), len(free)), np.nan)
-    for i, parameter in enumerate(free):
-        if parameter.name in known:
-            jacobian[:, i] = state.jacobian[:, known[parameter.name]]
-    return replace(state, model=model, free=free, jacobian=jacobian)
 
 
 def _is_slope(parameter: FreeParameter) -> bool:

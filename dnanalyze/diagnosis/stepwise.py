@@ -32,7 +32,7 @@ from dnanalyze.diagnosis.candidates import (
 )
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.forms import completed
-from dnanalyze.diagnosis.gains import judged, judged_by_prediction
+from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.search_path import (
@@ -56,7 +56,6 @@ from dnanalyze.diagnosis.selection import (
     significant,
 )
 from dnanalyze.diagnosis.spread_law import in_words, spread_law
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import FIT_STEPS, converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
@@ -112,7 +111,7 @@ def supported(null: FittedModel, tried: Sequence[Trial]) -> Trial | None:
 def removal(problem: FitProblem, state: State, name: str) -> State:
     """The model without an effect, refitted."""
     model = state.model.without(name)
-    return minimise(problem, start(problem, model, free_parameters(model), like=state), FIT_STEPS)
+    return minimise(problem, start(problem, model, like=state), FIT_STEPS)
 
 
 def reduced(problem: FitProblem, state: State) -> tuple[State, list[str]]:
@@ -124,7 +123,7 @@ def reduced(problem: FitProblem, state: State) -> tuple[State, list[str]]:
     whole = FittedModel.of(problem, state)
     for name in [n for n in state.model.names if n not in (*BASELINE, BASE)]:
         without = FittedModel(whole.problem, removal(whole.problem, whole.state, name))
-        found = judged(without, name, whole.state)
+        found = trial_of(without, name, whole.state)
         if found.evidence < EVIDENCE_NULL and found.error_fall <= ERROR_SCATTER * without.error:
             whole = FittedModel.of(whole.problem, without.state)
             gone.append(name)
@@ -156,7 +155,7 @@ def swapped(
         others[name] = type(mine)
         without = FittedModel(null.problem, removal(null.problem, null.state, name))
         for trial in trials(without, others, on_progress):
-            made = judged_by_prediction(null, trial)
+            made = trial_by_prediction(null, trial)
             if significant(made):
                 found.append((name, without, made))
     return max(found, key=lambda f: f[2].evidence, default=None)
@@ -335,8 +334,8 @@ class Search:
         made = self._made(null, best, path.tried, self._room(path))
         if len(made) > 1 and not falling([most, *(m.error for m in made)]):
             made = self._made(null, best, path.tried)
-        told = shown(null.problem, made[0].state, best.effect)
-        if made[-1].error > most or not told:
+        visible = shown(null.problem, made[0].state, best.effect)
+        if made[-1].error > most or not visible:
             return replace(path, refused=(*path.refused, best.effect))
         return self._taken(path, made)
 
@@ -435,7 +434,7 @@ class Search:
         self.on_step(Step(f"-{last.added}", before.error, model=model))
         return replace(
             path,
-            state=start(self.problem, model, free_parameters(model)),
+            state=start(self.problem, model),
             steps=path.steps[:-1],
             dropped=(*path.dropped, last.added),
             converged=False,

@@ -10,20 +10,18 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.analyzers.estimators.arrhenius import arrhenius_laws
+from dnanalyze.fitting.level import NOISE
 from dnanalyze.fitting.level_laws import beyond_laws
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
-from dnanalyze.fitting.ties import GAIN, digital_gain
+from dnanalyze.fitting.ties import GAIN, RECORDED, digital_gain
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.laws import value_at
-from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.significance import CLEAR, STATED
 from dnanalyze.thermal import KELVIN
 
-SIGMA, SHARE = 3.0, 0.1  # a difference within either is none
-NOISE = 0.05  # of the temporal noise of a pixel: as much of a level, see `fitting.level`
 ENERGY_EV = 0.03  # of 1 eV, where thermometer readings are good to .2 C over 10 C: sqrt(2) .2 / 10
-SIGNAL_ERRORS = 5.0  # standard errors from which a dark signal tells its growth
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,7 @@ class Agreement:
     def kept(self) -> bool:
         """Whether the difference is within 3 standard errors, 10 %, or the tolerance."""
         off = abs(self.model - self.direct)
-        return off <= max(SIGMA * self.error, SHARE * abs(self.direct), self.tolerance)
+        return off <= max(STATED * self.error, RECORDED * abs(self.direct), self.tolerance)
 
 
 def agreements(problem: FitProblem, state: State) -> list[Agreement]:
@@ -71,7 +69,7 @@ def agreements(problem: FitProblem, state: State) -> list[Agreement]:
 
     Parameters
     ----------
-    held : FitProblem
+    problem : FitProblem
     state : State
         A fitted model.
     """
@@ -103,19 +101,18 @@ def _dark_signals(problem: FitProblem, state: State) -> list[Agreement]:
     moved = () if problem.direct.sessions is None else problem.direct.sessions.moved
     medians = _medians(problem, state)
     points = [problem.plan.settings[s][0] for s in medians]
-    measured, errors = (
-        np.array([getattr(m, of) for m in medians.values()]) for of in ("measured", "error")
-    )
+    measured, errors, _ = np.reshape(list(medians.values()), (-1, 3)).T
     beyond = beyond_laws(points, measured, errors, problem.direct.black)
     found = []
-    for (s, seen), rest in zip(medians.items(), beyond, strict=True):
-        point = problem.plan.settings[s][0]
+    for (s, (seen, own, predicted)), point, rest in zip(
+        medians.items(), points, beyond, strict=True
+    ):
         black = level.at(point.temperature_c)
         if black is None or not point.exposure_s or point in moved:
             continue
-        signal = seen.measured - black[0]
-        error = math.hypot(seen.error, black[1])
-        if signal < -SIGNAL_ERRORS * error:
+        signal = seen - black[0]
+        error = math.hypot(own, black[1])
+        if signal < -CLEAR * error:
             continue  # the black level of these frames is another one
         steady = problem.train.values[
             (problem.train.names == "temporal_noise_core") & (problem.train.setting == s)
@@ -125,29 +122,19 @@ def _dark_signals(problem: FitProblem, state: State) -> list[Agreement]:
                 "dark signal", point, "DN",
                 signal,
                 math.hypot(error, float(rest)),
-                seen.predicted - _black(problem, state.model, point),
+                predicted - value_at(state.model.pedestal, point)
+                - state.model.black_shift(point, problem.plan.shape),
                 NOISE * float(steady.mean()) if steady.size else 0.0,
             )
         )  # fmt: skip
     return found
 
 
-def _black(problem: FitProblem, model: NoiseModel, point: OperatingPoint) -> float:
-    """Level that frames of a model have without exposure, DN."""
-    return value_at(model.pedestal, point) + model.black_shift(point, problem.plan.shape)
+def _medians(problem: FitProblem, state: State) -> dict[int, tuple[float, float, float]]:
+    """Measured median of each setting, its error and the model's, DN: means of both halves.
 
-
-@dataclass(frozen=True)
-class _Median:
-    """Median of one setting, DN: mean of both halves of the field."""
-
-    measured: float
-    error: float
-    predicted: float
-
-
-def _medians(problem: FitProblem, state: State) -> dict[int, _Median]:
-    """By setting; without those that the model does not predict."""
+    Without those that the model does not predict.
+    """
     scale = catalogue()["median"].scale
     found = {}
     for s in range(len(problem.plan.settings)):
@@ -158,8 +145,7 @@ def _medians(problem: FitProblem, state: State) -> dict[int, _Median]:
             predicted += [scale.plain(c) for c in half.predicted(z)[at]]
             errors += (half.reproducibility_sd[at] / math.sqrt(2.0)).tolist()
         if measured and np.isfinite(predicted).all():
-            means = (float(np.mean(x)) for x in (measured, errors, predicted))
-            found[s] = _Median(*means)
+            found[s] = float(np.mean(measured)), float(np.mean(errors)), float(np.mean(predicted))
     return found
 
 
@@ -170,7 +156,7 @@ def _energy(signals: Sequence[Agreement]) -> list[Agreement]:
         for a in signals
         if a.point is not None
         and a.point.temperature_c is not None
-        and a.direct > SIGNAL_ERRORS * a.error
+        and a.direct > CLEAR * a.error
         and a.model > 0
     ]
     celsius = np.array([a.point.temperature_c for a in clear if a.point is not None], float)

@@ -25,7 +25,6 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE
 
 SIGNAL, READ = (BASE, "mu"), ("read_noise", "sigma")  # of a pixel
-FOURFOLD = 4.0  # by which an amplitude may fall at once, as in a step of a fit
 
 
 def at_black_level(problem: FitProblem, state: State, iterations: int) -> State:
@@ -79,4 +78,4 @@ def _shifted(state: State, shift: float) -> NoiseModel:
 
 
 def _less(amplitude: float, by: float) -> float:
-    return max(amplitude - by, amplitude / FOURFOLD)
+    return max(amplitude - by, amplitude / 4.0)  # as far as in a step of a fit

@@ -15,6 +15,7 @@ import numpy as np
 from dnanalyze.fitting.free_parameters import (
     PEDESTAL,
     FreeParameter,
+    grouped,
     positions,
     settings_of,
     with_values,
@@ -25,11 +26,11 @@ from dnanalyze.loaders.thermometer import tells_slope
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
 
-# Useful size of a derivative step, floors (Euclidean). Pixels that cross a code's edge jump,
-# and the statistics with them, by some floors however short the step: less would be lost in it.
+# Useful size of a derivative step, reproducibility SDs (Euclidean). Pixels that cross an edge of a
+# code jump, and the statistics with them, by some SDs however short the step.
 SMALLEST, LARGEST = 12.0, 400.0
 SEVERAL = 3  # derivatives beyond which it pays to begin from half of the field
-GROWTH = 8.0  # of a step that shows too little, each time; twice at most
+GROWTH = 8.0  # of a step or an amplitude that shows too little, each time
 
 
 def derive(
@@ -41,19 +42,17 @@ def derive(
 ) -> State:
     """Compute the derivatives that are not known yet, one simulation per group of parameters.
 
-    A first step that moves the numbers by less than ``smallest`` floors is taken again, longer.
+    A first step that moves the numbers by less than ``smallest`` SDs is taken again, longer.
     ``anew``: also those that are known, which then tell how long a step must be.
     """
-    wanted: dict[str, list[int]] = {}
-    for i, parameter in enumerate(state.free):
-        if (anew or np.isnan(state.jacobian[:, i]).any()) and only(parameter):
-            wanted.setdefault(parameter.group, []).append(i)
+    open_yet = np.isnan(state.jacobian).any(axis=0) | anew
+    wanted = [i for i, k in enumerate(state.free) if open_yet[i] and only(k)]
     jacobian = state.jacobian.copy()
     near: list[list[int]] = []
     far: list[list[int]] = []
-    for members in wanted.values():
+    for members in grouped(state.free, wanted):
         parameter = state.free[members[0]]
-        if not _told(problem, state.model, parameter):
+        if not _determined(problem, state.model, parameter):
             jacobian[:, members] = 0.0
         elif problem.part is not None and placing_of(state.model, parameter) is Placing.EVERYWHERE:
             near.append(members)
@@ -76,11 +75,11 @@ def placing_of(model: NoiseModel, parameter: FreeParameter) -> Placing:
     return Placing.EVERYWHERE if effect is None else effect.placing
 
 
-def _told(problem: FitProblem, model: NoiseModel, parameter: FreeParameter) -> bool:
+def _determined(problem: FitProblem, model: NoiseModel, parameter: FreeParameter) -> bool:
     """Whether the statistics of the fitted half depend on a parameter.
 
-    Of what lies in the judged half alone it tells nothing, nor do temperatures too near each other
-    of an activation energy.
+    Not on those of what lies in the held-out half alone, nor on an activation energy where the
+    temperatures are too near each other.
     """
     effect = model.get(parameter.effect)
     if parameter.energy and not tells_slope(p.temperature_c for p, _ in problem.plan.settings):

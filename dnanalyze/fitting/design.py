@@ -26,7 +26,7 @@ class Design:
 
     The fit sees ``train``, the upper half; the error is measured on ``test``, the lower half. So
     either half has every column: what is peculiar to some of them (a level that settles, readout
-    taps, a defect line) is fitted on one half and judged on the other.
+    taps, a defect line) is fitted on one half and tested on the other.
     Large-scale shading, which has only one realisation over the field, is split by a checkerboard
     of blocks. ``everything``: the captures with all settings and frames. All are in
     codes, each of ``unit`` in the files. ``members``: operating points that each setting stands
@@ -49,6 +49,11 @@ class Design:
     def windows(self) -> tuple[Window, Window]:
         """(train, test)."""
         return self.train, self.test
+
+    @property
+    def window(self) -> Window:
+        """What both halves make up."""
+        return Window(self.train.top, self.test.bottom, self.train.left, self.train.right)
 
     @property
     def period(self) -> int:

@@ -37,9 +37,10 @@ from dnanalyze.fitting.moments import (
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.simulated import room
-from dnanalyze.fitting.start import ordinary_model, paper_models
+from dnanalyze.fitting.start import baseline_by_moments, paper_models
 from dnanalyze.fitting.state import State, loss, root_weights, start, unseen
 from dnanalyze.fitting.ties import TRANSFER, misfits
+from dnanalyze.fitting.yardstick import REPLICATES as QUICK_REPLICATES
 from dnanalyze.fitting.yardstick import fitted_by_design, misfit_share
 from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.model.channel_models import require
@@ -55,7 +56,6 @@ if TYPE_CHECKING:
 
 REPLICATES = 24
 WHOLE_CODES = 0.95  # `lattice` of whole codes, 1, less its error
-QUICK_REPLICATES = 8  # whose standard errors are good to a quarter, 1 / sqrt(2 (8 - 1))
 CONFOUNDED_CORRELATION = 0.97  # correlation from which two parameters are called indistinguishable
 DERIVATIVES = 40  # simulations for the last derivatives of few groups; many take 6 each
 STEP_SIZE = 15.0  # wanted size of their steps, in reproducibility SDs: counts move by jumps
@@ -253,6 +253,17 @@ def with_seed(problem: FitProblem, model: NoiseModel | None, seed: int | None) -
     return replace(model or paper_start(problem), seed=seed)
 
 
+def starting_model(
+    problem: FitProblem, model: NoiseModel | None, seed: int | None, exclude: Sequence[str] = ()
+) -> NoiseModel:
+    """The model with which a search begins, directly measured parameters at their values.
+
+    As given, or that of `paper_start`.
+    """
+    begun = with_seed(problem, model, seed) or paper_start(problem, exclude)
+    return at_measured_parameters(problem, begun)
+
+
 def _check(frozen: Sequence[str], model: NoiseModel) -> None:
     """Every name is one of the model's."""
     valid = [PEDESTAL, *(f"{e.name}.{name}" for e in model.effects for name in e.parameters())]
@@ -296,7 +307,7 @@ def baseline_model(problem: FitProblem, beside: Effect | None = None) -> NoiseMo
     gain = next((k.value for k in known if k.source == TRANSFER), None)
     if beside is not None:
         found = less(found, beside, problem.plan.shape)
-    made = ordinary_model(found, bits, serial, gain)
+    made = baseline_by_moments(found, bits, serial, gain)
     return replace(made, unit=problem.plan.unit)
 
 
@@ -416,8 +427,8 @@ def _described(
     spread = np.sqrt(np.diag(covariance)) if free else np.empty(0)
     known = np.ones(len(free), bool) if seen is None else seen
     parameters = [
-        _parameter(k, x, s, bool(told))
-        for k, x, s, told in zip(free, here, spread, known, strict=True)
+        _parameter(k, x, s, bool(determined))
+        for k, x, s, determined in zip(free, here, spread, known, strict=True)
     ]
     with np.errstate(invalid="ignore", divide="ignore"):
         correlations = covariance / np.outer(spread, spread)
@@ -428,7 +439,7 @@ def _described(
         for k, p in zip(free, parameters, strict=True)
         if _of_dark_current(state.model, k) and unusual(p.value, p.se)
     ]
-    doubts += _sessions_told(problem, state.model)
+    doubts += _moved_sessions(problem, state.model)
     exact = _read_off(problem, state.model)
     whole = np.eye(len(free) + len(exact))  # their errors are none of the fit's
     whole[: len(free), : len(free)] = correlations
@@ -436,7 +447,7 @@ def _described(
     return Fit(state.model, every, whole, doubts, problem, state, problem.plan.captures)
 
 
-def _sessions_told(problem: FitProblem, model: NoiseModel) -> list[str]:
+def _moved_sessions(problem: FitProblem, model: NoiseModel) -> list[str]:
     """Operating points with a black level of their own, in a sentence."""
     own = problem.direct.sessions
     if own is None or not isinstance(model.pedestal, TableLaw):
@@ -463,8 +474,8 @@ def _read_off(problem: FitProblem, model: NoiseModel) -> list[Parameter]:
     return found
 
 
-def standard_errors(problem: FitProblem, state: State, simulate: bool = True) -> Parameters:
-    """Fitted parameters of a model with their standard errors.
+def uncertain(problem: FitProblem, state: State, simulate: bool = True) -> Fit:
+    """A fitted model with its standard errors, and what the captures do not determine.
 
     The estimate was made with one simulated sensor, which scatters as much as the measured one: the
     variance is twice that of one sensor, where `fit`, which averages over 1 + n simulated sensors,
@@ -477,11 +488,6 @@ def standard_errors(problem: FitProblem, state: State, simulate: bool = True) ->
     simulate : bool
         Whether replicates are simulated for the errors; else these are NaN.
     """
-    return uncertain(problem, state, simulate).parameters
-
-
-def uncertain(problem: FitProblem, state: State, simulate: bool = True) -> Fit:
-    """As `standard_errors`, with what the captures do not determine."""
     here = with_uncertainties(problem, state, 0)
     if not simulate:
         return here
@@ -506,14 +512,11 @@ def _of_dark_current(model: NoiseModel, parameter: FreeParameter) -> bool:
 
 
 def _parameter(parameter: FreeParameter, position: float, spread: float, seen: bool) -> Parameter:
-    value, se = parameter.plain(position), _plain_error(parameter, position, spread)
+    value = parameter.plain(position)
+    se = float(value * spread if parameter.log else spread)
     vague = parameter.log and spread > VAGUE
     upper = value + ONE_SIDED * se if vague and seen and math.isfinite(se) else None
     return Parameter(parameter.name, value, se, parameter.unit, seen and not vague, upper)
-
-
-def _plain_error(parameter: FreeParameter, position: float, spread: float) -> float:
-    return float(parameter.plain(position) * spread if parameter.log else spread)
 
 
 def _doubts(

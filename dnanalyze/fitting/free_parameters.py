@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -138,6 +138,14 @@ def _of_law(
         # below 0 for what falls as it warms, such as the relative spread of dark current
         free.append(FreeParameter(effect, name, "ea_ev", False, -2.0, 2.0, "eV"))
     return free
+
+
+def grouped(free: Sequence[FreeParameter], members: Iterable[int]) -> list[list[int]]:
+    """Parameters that one simulation can vary together: rows of a table act on other settings."""
+    groups: dict[str, list[int]] = {}
+    for i in members:
+        groups.setdefault(free[i].group, []).append(i)
+    return list(groups.values())
 
 
 def positions(model: NoiseModel, free: Sequence[FreeParameter]) -> np.ndarray:

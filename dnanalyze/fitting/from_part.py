@@ -14,7 +14,6 @@ from functools import partial
 from dnanalyze.fitting.black_level_restart import at_black_level
 from dnanalyze.fitting.changes import part_for
 from dnanalyze.fitting.derivatives import derive
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.restart import restarted
@@ -44,7 +43,7 @@ def fitted(
     """
     part = part_for(problem, model)
     near = by_design(part or problem, model)
-    state = fit(near, start(near, model, free_parameters(model)))
+    state = fit(near, start(near, model))
     if part is None:
         return expressed(state, near, problem)
     there = problem.scaled_as(near)
@@ -58,7 +57,7 @@ def fitted_in_time(problem: FitProblem, model: NoiseModel) -> State:
         return fitted(problem, model, partial(minimise, on_state=so_far.append))
     except TimeUp:
         best = so_far[-1].model if so_far else model
-        return start(problem.within(TimeLimit()), best, free_parameters(best))
+        return start(problem.within(TimeLimit()), best)
 
 
 def converge(

@@ -1,8 +1,8 @@
 """Levenberg-Marquardt on simulated statistics, with few simulations.
 
 Between iterations the derivatives are kept up to date by Broyden's rank-one formula instead of
-being taken anew. A pseudo-Huber loss keeps a few statistics that the model cannot reach from
-bending all others. The mean level alone is held within bounds.
+being taken anew. A pseudo-Huber loss limits the influence of statistics that the model cannot
+reach. The mean level alone is bounded.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ from dnanalyze.fitting.free_parameters import FreeParameter, positions, with_val
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import STIFF, State, beyond, root_weights, stiff, unseen
 from dnanalyze.fitting.ties import misfits
+from dnanalyze.fitting.vectors import Target
 
 HOPE = 3.0  # times its promise, what the steps after a step may still bring
 KEPT = 4 / 3  # factor within which a step takes off what true derivatives promise
-# Floors that one unit of a parameter's grid moves the numbers by. Steps end on the grid, so that
-# libraries of linear algebra whose last bits differ lead to the same models. Off by half a unit,
-# the loss is higher by (2^-10 / 2)^2 = 2e-7 a parameter.
+# Reproducibility SDs by which one unit of a parameter's grid moves the numbers. Steps end on the
+# grid, so that libraries of linear algebra whose last bits differ lead to the same models. Off by
+# half a unit, the loss is higher by (2^-10 / 2)^2 = 2e-7 a parameter.
 GRAIN = 2.0**-10
 DAMPING = 1e-2  # of the first step
 FIRM = 50.0  # damping beyond which steps are too short to be worth a simulation
@@ -158,16 +159,8 @@ def _damped(
     grid = GRAIN / np.exp2(np.ceil(np.log2(np.where(usable, size, 1.0))))
     here = positions(state.model, state.free)
     step = np.zeros(len(here))
-    for _ in range(3):  # a parameter pushed against its bound is held there
-        scaled = a[:, usable] / size[usable]
-        normal = scaled.T @ scaled + damping * np.eye(int(usable.sum()))
-        slope = scaled.T @ b
-        if len(rest):
-            pressing = rows[:, usable] / size[usable]
-            normal, slope = normal + pressing.T @ pressing, slope + pressing.T @ rest
-        step[:] = 0
-        step[usable] = np.linalg.solve(normal, -slope) / size[usable]
-        step = grid * np.rint(step / grid)
+    for _ in range(3):  # a parameter pushed against its bound stays there
+        step = grid * np.rint(_marquardt(a, b, size, usable, damping, rows, rest) / grid)
         step = np.clip(step, *longest(state.free, here))
         held = np.array(
             [
@@ -197,3 +190,55 @@ def _broyden(jacobian: np.ndarray, change: np.ndarray, step: np.ndarray) -> np.n
     if norm == 0:
         return jacobian
     return jacobian + np.outer(change - jacobian @ step, step) / norm
+
+
+def linear_step(
+    state: State, fitted: Target, held_out: Target, train: np.ndarray, test: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Misfits after the step of the parameters that lowers those on the fitted half.
+
+    The derivatives are those of the state: all sensors of one design share them.
+
+    Parameters
+    ----------
+    state : State
+    fitted, held_out : Target
+        The two halves.
+    train, test : ndarray
+        Misfits on either, in reproducibility SDs, (sensors, statistics).
+    """
+    jacobian = np.nan_to_num(state.jacobian)  # what no fit has moved yet absorbs nothing
+    weights = [root_weights(z, state.weight) for z in train]
+    steps = [_first_step(jacobian * w[:, None], z * w) for z, w in zip(train, weights, strict=True)]
+    taken = np.reshape(steps, (len(train), jacobian.shape[1]))
+    elsewhere = fitted.derivatives_of(held_out, jacobian)
+    return train + taken @ jacobian.T, test + taken @ elsewhere.T
+
+
+def _first_step(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The first step of a fit that lowers a step + b."""
+    size = np.sqrt(np.sum(a * a, axis=0))
+    return _marquardt(a, b, size, size > 0.0, DAMPING)
+
+
+def _marquardt(
+    a: np.ndarray,
+    b: np.ndarray,
+    size: np.ndarray,
+    usable: np.ndarray,
+    damping: float,
+    rows: np.ndarray | None = None,
+    rest: Sequence[float] | np.ndarray = (),
+) -> np.ndarray:
+    """Step that lowers a step + b, and rows step + rest (Levenberg and Marquardt).
+
+    ``size``: norms of the columns of ``a``, by which they are scaled; ``usable``: those that move.
+    """
+    scaled = a[:, usable] / size[usable]
+    normal, slope = scaled.T @ scaled + damping * np.eye(scaled.shape[1]), scaled.T @ b
+    if rows is not None and len(rest):
+        pressing = rows[:, usable] / size[usable]
+        normal, slope = normal + pressing.T @ pressing, slope + pressing.T @ rest
+    step = np.zeros(size.size)
+    step[usable] = np.linalg.solve(normal, -slope) / size[usable]
+    return step

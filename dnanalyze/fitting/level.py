@@ -11,15 +11,16 @@ from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.fitting.level_laws import beyond_laws
 from dnanalyze.fitting.moments import pedestal_guess
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.vectors import FIT_ERRORS, Target
+from dnanalyze.fitting.vectors import Target
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import Law, value_at
+from dnanalyze.significance import STATED, TOLERATED
 
 MEAN, MEDIAN = "mean", "median"
-ERRORS = 3.0  # standard errors of a difference that a level may be off
-SIGNAL_SHARE = 0.01  # or of the dark signal: the level above the measured black level
+# A level may be off by `STATED` standard errors of a difference, or by a share of
+SIGNAL_SHARE = 0.01  # the dark signal: the level above the measured black level
 NOISE = 0.05  # or of the temporal noise of a pixel: 400 frames then tell it from the right level
-# A fit holds its own half within less, for the other may lie farther off: 2 errors (`FIT_ERRORS`)
+# A fit holds its own half within less, for the other may lie farther off: 2 errors (`TOLERATED`)
 # and half of the shares. Of 35 virtual sensors held to 3 errors one stood at 3.4 over the field.
 FIT_SHARE = 0.5
 # A level that the laws of black level and dark signal cannot reach may be off by twice what is
@@ -115,7 +116,7 @@ def allowed(
         own = np.flatnonzero((target.names == MEDIAN) & (planes == plane))
         least = FIT_SHARE * signals.tolerance[own]
         there = [points[target.keys[i].setting] for i in own]
-        errors = np.maximum(least, FIT_ERRORS * target.reproducibility_sd[own])
+        errors = np.maximum(least, TOLERATED * target.reproducibility_sd[own])
         rest = beyond_laws(there, target.values[own], errors, black)
         found[own] = np.maximum(least, BEYOND * np.abs(rest))
     return found
@@ -133,7 +134,7 @@ def level(
     ----------
     points : sequence of OperatingPoint
     halves : sequence of Target
-        The fitted and the judged half.
+        The fitted and the held-out half.
     differences : sequence of ndarray
         (measured - model) / reproducibility SD on either.
     signals : DarkSignals
@@ -151,7 +152,7 @@ def level(
         # what moves whole frames moves both halves: together they tell no more than either
         error = float(np.mean([half.reproducibility_sd[n] for half, _, n in pairs]))
         signal = float(signals.signal[i])
-        away = abs(off) / max(ERRORS * error, float(signals.tolerance[i]))
+        away = abs(off) / max(STATED * error, float(signals.tolerance[i]))
         relative = off / signal if signal > 0 else None
         point = points[key.setting]
         seen = Level(away <= 1.0, point, key.plane, off, relative, abs(off) / error, key.name)

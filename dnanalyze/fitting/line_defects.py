@@ -42,10 +42,10 @@ def line_defects(
     places, means = profile
     far, offsets = standing_out(means)
     length = frame[0 if axis == "columns" else 1]
-    told = np.concatenate([_merged(s) / [1, g, 1, 1] for s, g in zip(seen, gains, strict=True)])
+    merged = np.concatenate([_merged(s) / [1, g, 1, 1] for s, g in zip(seen, gains, strict=True)])
     found = []
     for place, offset in zip(places[far], offsets, strict=True):
-        here = told[told[:, 0] == place]
+        here = merged[merged[:, 0] == place]
         _, own, begin, end = np.median(here, axis=0) if here.size else (0, offset, 0, length)
         whole = begin <= 0 and end >= length
         found.append((place, offset if whole else own, begin, end))

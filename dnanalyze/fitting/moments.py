@@ -12,9 +12,10 @@ from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.laws import Law, TableLaw
+from dnanalyze.significance import CLEAR
 from dnanalyze.thermal import KELVIN, activation, over_constant
 
-LINKED, CLEAR = 0.01, 5.0  # least serial correlation; standard errors by which it stands out
+LINKED = 0.01  # least serial correlation
 DARK_EV = np.linspace(0.3, 1.28, 50)  # eV; what grows more slowly looks like a constant
 STILL = 0.1  # share of the temporal variance that is of pixels at least
 REST = 0.02  # share of a moment that is the sensor's at least
@@ -87,10 +88,10 @@ def less(m: Moments, effect: Effect, shape: tuple[int, int]) -> Moments:
     Shot noise is of all charge: the temporal variance that the effect's charge makes goes with it,
     in proportion to the signal, or what is left would seem to have a larger gain.
     """
-    told = [effect.adds(p, m.reference, shape) for p in m.points]
-    if None in told:
+    contributions = [effect.adds(p, m.reference, shape) for p in m.points]
+    if None in contributions:
         return m
-    level, variance = np.array(told, float).T
+    level, variance = np.array(contributions, float).T
     rest = np.maximum(m.signal - level, REST * m.signal)
     design = np.stack([np.ones_like(m.signal), m.signal], 1) / m.total[:, None]
     (_, slope), _ = nnls(design, m.temporal / m.total)

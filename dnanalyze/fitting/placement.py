@@ -15,9 +15,9 @@ from scipy.stats import norm
 from dnanalyze.analyzers.field_profile import FieldProfile, field_profile
 from dnanalyze.loaders.captures import CaptureSet, Setting, Window
 from dnanalyze.robust import robust_deviation
+from dnanalyze.significance import UNLIKELY
 
-FRAMES = 2  # of a setting that is surveyed; block means repeat to 1/45 of the noise of a pixel
-CHANCE = 0.01  # that anything of a structureless field counts as structure
+FRAMES = 2  # of an operating point; block means repeat to 1/45 of the noise of a pixel
 
 
 def surveyed(captures: CaptureSet, chosen: Sequence[Setting]) -> list[FieldProfile]:
@@ -126,4 +126,4 @@ def _excess(off: np.ndarray, deviation: float, count: int) -> float:
     if deviation <= 0.0:
         return 0.0
     z = np.abs(off) / deviation
-    return float(np.sum(z[z > norm.isf(CHANCE / (2 * count))] ** 2))
+    return float(np.sum(z[z > norm.isf(UNLIKELY / (2 * count))] ** 2))

@@ -19,13 +19,12 @@ from dnanalyze.loaders.captures import Frame, Setting, Window
 from dnanalyze.loaders.files import natural_key
 from dnanalyze.loaders.health import MOVED
 from dnanalyze.robust import robust_deviation
+from dnanalyze.significance import CERTAIN, RARE
 
 MOST = 128  # operating points whose frames are compared; a fit takes 8 of what is left
 FEW = 3  # frames from which an operating point tells its noise: of two, drift is noise too
 STRIPS = 16  # all over the frame; their scatter is the error of a level, whatever correlates in it
 PIXELS = 1 << 18  # of a frame that are looked at: eleven hits of one frame alone are a difference
-CHANCE = 0.001  # that frames of one operating point are told apart, each of three tests
-FAR = 6.0  # standard deviations of a pixel that is hit or hot
 DRIFT = MOVED**0.5  # noises: within an operating point it would be no note of the loader's
 TINY = 1e-6  # DN, of a strip without noise
 
@@ -128,7 +127,7 @@ def _clipped(values: np.ndarray) -> np.ndarray:
     """Values without outliers; codes that half of the pixels share have no robust deviation."""
     middle = np.median(values)
     spread = robust_deviation(values) or values.std()
-    return np.clip(values, middle - FAR * spread, middle + FAR * spread)
+    return np.clip(values, middle - CERTAIN * spread, middle + CERTAIN * spread)
 
 
 def _zero(values: np.ndarray) -> bool:
@@ -136,16 +135,16 @@ def _zero(values: np.ndarray) -> bool:
     if not np.isfinite(values).all():
         return False
     error = values.std(ddof=1) / STRIPS**0.5
-    return bool(abs(values.mean()) <= t.isf(CHANCE / 2.0, STRIPS - 1) * error)
+    return bool(abs(values.mean()) <= t.isf(RARE / 2.0, STRIPS - 1) * error)
 
 
 def _same_outliers(difference: np.ndarray) -> bool:
     """Binomial test of clumps of pixels that one frame has above the other, and the other way."""
     off = difference - np.median(difference)
     spread = robust_deviation(off) or off.std()
-    counts = [_clumps(sign * off > FAR * spread) for sign in (1.0, -1.0)]
+    counts = [_clumps(sign * off > CERTAIN * spread) for sign in (1.0, -1.0)]
     total = sum(counts)
-    return total == 0 or bool(binomtest(counts[0], total).pvalue > CHANCE)
+    return total == 0 or bool(binomtest(counts[0], total).pvalue > RARE)
 
 
 def _clumps(mask: np.ndarray) -> int:

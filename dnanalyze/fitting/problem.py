@@ -156,7 +156,7 @@ class FitProblem:
         """Misfits z of the fitted half."""
         return self.train.z(self.fitted_coordinates(model))
 
-    def judged_z(self, model: NoiseModel) -> np.ndarray:
+    def held_out_z(self, model: NoiseModel) -> np.ndarray:
         """Misfits z of the held-out half."""
         return self.test.z(prediction(self.statistics(model, half=1), 1, self.test))
 

@@ -16,8 +16,7 @@ import weakref
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
@@ -25,6 +24,7 @@ from threadpoolctl import threadpool_limits
 
 from dnanalyze.analyzers.statistics import SettingStatistics
 from dnanalyze.executors import answer, submitted
+from dnanalyze.fitting.design import MOST_SETTINGS
 from dnanalyze.fitting.simulated import SHARED_FROM_PIXELS, Job, Part, room, shared
 from dnanalyze.loaders.captures import OperatingPoint, Sensor, Window
 from dnanalyze.model.memo import Memo
@@ -32,44 +32,14 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.processors import cpu_count
 
-MAX_PROCESSES = 15  # processes that are started; eight operating points have 16 halves
-SHARES = 16  # of the work for an executor of unknown size: all halves of eight operating points
+SHARES = 2 * MOST_SETTINGS  # of the work at most: the halves of all operating points
 ROOMS = 4  # workers of such an executor that are expected on one machine
 WARM = 64, 64  # pixels of what a worker simulates before it is asked
 
 Found = TypeVar("Found")
 
 
-@dataclass(frozen=True)
-class _Share:
-    """Some parts of each of several jobs, with fields of theirs kept or not."""
-
-    jobs: Sequence[Job]
-    parts: Sequence[Sequence[Part]]
-    kept: bool
-
-    def __bool__(self) -> bool:
-        return any(self.parts)
-
-    def __call__(self, memo: Memo) -> list[dict[Part, list[SettingStatistics]]]:
-        return _taken(self.jobs, self.parts, memo if self.kept else Memo(0))
-
-
-@dataclass(frozen=True)
-class _Calls:
-    """Calls of a function with several arguments."""
-
-    function: Callable[..., Any]
-    arguments: Sequence[tuple[Any, ...]]
-
-    def __bool__(self) -> bool:
-        return bool(self.arguments)
-
-    def __call__(self, memo: Memo) -> list[Any]:
-        return [self.function(*a) for a in self.arguments]
-
-
-_Task = _Share | _Calls
+_Task = Callable[[Memo], list[Any]]  # a share of the work; None where there is nothing to do
 
 
 class Helpers:
@@ -117,7 +87,8 @@ class Helpers:
         ``function``, its arguments and what it returns must be known to another process.
         """
         step = self.shares
-        tasks = [_Calls(function, arguments[n::step]) for n in range(step)]
+        shares = [arguments[n::step] for n in range(step)]
+        tasks = [partial(_called, function, share) if share else None for share in shares]
         found: list[Any] = [None] * len(arguments)
         for n, share in enumerate(self._done(tasks, Memo(0))):
             found[n::step] = share
@@ -126,14 +97,17 @@ class Helpers:
     def _dealt(self, jobs: Sequence[Job], memo: Memo) -> list[dict[Part, list[SettingStatistics]]]:
         """Jobs of which every executor has its share."""
         kept = memo.limit_bytes > 0
-        tasks = [_Share(jobs, parts, kept) for parts in shared(jobs, self.shares)] if jobs else []
+        tasks = [
+            partial(_share, jobs, parts, kept) if any(parts) else None
+            for parts in (shared(jobs, self.shares) if jobs else ())
+        ]
         found: list[dict[Part, list[SettingStatistics]]] = [{} for _ in jobs]
         for share in self._done(tasks, memo):
             for all_of_it, some in zip(found, share, strict=False):
                 all_of_it |= some
         return found
 
-    def _done(self, tasks: Sequence[_Task], memo: Memo) -> list[Any]:
+    def _done(self, tasks: Sequence[_Task | None], memo: Memo) -> list[Any]:
         """What each task finds: the first are those of the executors, the rest of this process.
 
         Raises
@@ -145,13 +119,13 @@ class Helpers:
             self._submitted(executor, task)
             for executor, task in zip(list(self._executors), tasks, strict=False)
         ]
-        here = [task(memo) for task in tasks[len(away) :]]
+        here = [task(memo) if task else [] for task in tasks[len(away) :]]
         pairs = zip(away, tasks, strict=False)
         return [answer(future, task, memo) if task else [] for future, task in pairs] + here
 
-    def _submitted(self, executor: Executor, task: _Task) -> Future[Any] | None:
+    def _submitted(self, executor: Executor, task: _Task | None) -> Future[Any] | None:
         """The task given to an executor; None where there is nothing to do, or nobody to do it."""
-        if not task:
+        if task is None:
             return None
         future = submitted(executor, _at_worker, task, self._rooms)
         if future is None:
@@ -184,7 +158,7 @@ class Processes(Helpers):
 
 def helpers_for(pixels: int) -> Processes:
     """One for each further processor, where simulations of so many pixels are worth its start."""
-    return Processes(min(cpu_count() - 1, MAX_PROCESSES) if pixels >= SHARED_FROM_PIXELS else 0)
+    return Processes(min(cpu_count(), SHARES) - 1 if pixels >= SHARED_FROM_PIXELS else 0)
 
 
 def helpers_of(executor: Executor | None) -> Helpers:
@@ -202,6 +176,19 @@ def _taken(
         dict(zip(parts, job.statistics(parts, memo, threads), strict=True))
         for job, parts in zip(jobs, share, strict=True)
     ]
+
+
+def _share(
+    jobs: Sequence[Job], parts: Sequence[Sequence[Part]], kept: bool, memo: Memo
+) -> list[dict[Part, list[SettingStatistics]]]:
+    """Some parts of each job, with fields of theirs ``kept`` or not."""
+    return _taken(jobs, parts, memo if kept else Memo(0))
+
+
+def _called(
+    function: Callable[..., Found], arguments: Sequence[tuple[Any, ...]], memo: Memo
+) -> list[Found]:
+    return [function(*a) for a in arguments]
 
 
 def travels(model: NoiseModel) -> bool:

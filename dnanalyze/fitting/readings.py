@@ -44,15 +44,15 @@ class Readings:
 
     def value(self, name: str) -> np.ndarray:
         """A statistic over the points; NaN where a point lacks it."""
-        return np.array(
-            [_mean([s.values[name].value for s in p if name in s.values]) for p in self.planes]
-        )
+        return self._means(name, "value")
 
     def error(self, name: str) -> np.ndarray:
         """Its standard error over the points."""
-        return np.array(
-            [_mean([s.values[name].se for s in p if name in s.values]) for p in self.planes]
-        )
+        return self._means(name, "se")
+
+    def _means(self, name: str, of: str) -> np.ndarray:
+        seen = ([getattr(s.values[name], of) for s in p if name in s.values] for p in self.planes)
+        return np.array([np.mean(values) if values else np.nan for values in seen])
 
     @property
     def noise(self) -> np.ndarray:
@@ -87,12 +87,8 @@ class Readings:
         """
         planes = self.planes[setting]
         scale = 1.0 if len(planes) == 1 else 1.0 / MOSAIC
-        return [
-            _wave(row, scale)
-            for p in planes
-            for row in _lines(p, part).tolist()
-            if row[2] <= CHANCE
-        ]
+        rows = [row for p in planes for row in p.curves.get(f"{part}_lines", np.empty((0, 7)))]
+        return [_wave(row.tolist(), scale) for row in rows if row[2] <= CHANCE]
 
     def defects(self, axis: str, setting: int) -> np.ndarray:
         """The "columns" or "rows" of one point that deviate, (n, 4), as `line_defects` has them.
@@ -114,27 +110,3 @@ def _wave(row: list[float], scale: float) -> Wave:
     """A line of a spectrum, its frequencies times ``scale``."""
     u, v, u_error, v_error = (scale * number for number in row[:4])
     return Wave(u, v, u_error, v_error, row[4], row[5], SHARED[int(row[6])])
-
-
-def _lines(plane: SettingStatistics, part: str) -> np.ndarray:
-    """All lines of a spectrum, or the strongest off and on the axes where these alone are known."""
-    known = plane.curves.get(f"{part}_lines")
-    return known if known is not None else _strongest_lines(plane, part)
-
-
-def _strongest_lines(plane: SettingStatistics, part: str) -> np.ndarray:
-    """As the curve of all lines."""
-    found = []
-    for name, on_axis in ((f"{part}_line", False), (f"{part}_axis_line", True)):
-        ratio, u, v, amplitude = (
-            plane.values.get(f"{name}{what}") for what in ("", "_u", "_v", "_amplitude")
-        )
-        if ratio is None or u is None or v is None or amplitude is None:
-            continue
-        axis = 0 if not on_axis else 1 if abs(u.value) < abs(v.value) else 2
-        found.append((u.value, v.value, u.se, v.se, amplitude.value, ratio.value, axis))
-    return np.array(found, float).reshape(-1, 7)
-
-
-def _mean(values: list[float]) -> float:
-    return float(np.mean(values)) if values else float("nan")

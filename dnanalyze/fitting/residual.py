@@ -57,8 +57,7 @@ class Residual:
     @property
     def area(self) -> Window:
         """The window of the frame that both halves make up."""
-        upper, lower = self.problem.plan.windows
-        return Window(upper.top, lower.bottom, upper.left, upper.right)
+        return self.problem.plan.window
 
     def waves(self, part: str) -> Sequence[Wave]:
         """Lines of a spectrum, of both halves and all settings."""

@@ -14,18 +14,23 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.fitting.changes import Changes
-from dnanalyze.fitting.derivatives import SMALLEST, placing_of
-from dnanalyze.fitting.free_parameters import FreeParameter, positions, settings_of, with_values
+from dnanalyze.fitting.derivatives import GROWTH, SMALLEST, placing_of
+from dnanalyze.fitting.free_parameters import (
+    FreeParameter,
+    grouped,
+    positions,
+    settings_of,
+    with_values,
+)
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, root_weights, start
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.significance import LEAST_GAIN
 
-RISE = math.log(8.0)  # of an amplitude that is raised, each time
+RISE = math.log(GROWTH)  # of an amplitude that is raised, each time
 RISES = 6  # to 2.6e5 times
-# Fall of the loss below which a fit is not worth its simulations (see `selection.LEAST_GAIN`)
-LEAST_GAIN = 6.25
 
 
 def restarted(problem: FitProblem, state: State, iterations: int) -> State:
@@ -60,7 +65,7 @@ def _lost(problem: FitProblem, state: State) -> list[int]:
     here = positions(state.model, state.free)
     may = [i for i, k in enumerate(state.free) if _may_be_lost(problem, k, here[i])]
     placed: dict[Placing, list[list[int]]] = {}
-    for members in _groups(state, may):
+    for members in grouped(state.free, may):
         placing = placing_of(state.model, state.free[members[0]])
         placed.setdefault(placing, []).append(members)
     found = []
@@ -94,14 +99,6 @@ def _may_be_lost(problem: FitProblem, parameter: FreeParameter, position: float)
     return parameter.unit == "DN/e-"
 
 
-def _groups(state: State, members: Sequence[int]) -> list[list[int]]:
-    """Parameters that one simulation can vary together: rows of a table act on other settings."""
-    groups: dict[str, list[int]] = {}
-    for i in members:
-        groups.setdefault(state.free[i].group, []).append(i)
-    return list(groups.values())
-
-
 def _own(problem: FitProblem, state: State, at: int, change: np.ndarray) -> np.ndarray:
     """A change at the settings that a parameter moves."""
     mask = settings_of(state.free[at], state.model, problem.plan.settings)
@@ -112,7 +109,7 @@ def _where_it_helps(problem: FitProblem, state: State, lost: Sequence[int]) -> d
     """Positions of the parameters at which the loss is expected to fall; others are left out."""
     here = positions(state.model, state.free)
     found: dict[int, float] = {}
-    for members in _groups(state, lost):
+    for members in grouped(state.free, lost):
         for n in range(1, RISES + 1):
             raised = here.copy()
             for i in members:

@@ -15,11 +15,10 @@ import numpy as np
 
 from dnanalyze.analyzers.families.shading import RELATIVE, RELATIVE_ORDERS
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
+from dnanalyze.significance import TOLERATED
 
 ORDER = 4
-# Standard errors from which blocks of a colour lie elsewhere than those of a half
-BLOCK_ERRORS = 2.0
-WIDE = 8
+WIDE = 2 * ORDER  # surfaces from ORDER on tell the scatter of those below
 LEVELS = ("mean", "median")
 
 
@@ -101,7 +100,7 @@ def shading_values(
     moved = {n: replace(v, value=v.value + shift) for n, v in levels.items()}
     if "median" in levels:  # few bright pixels scatter the means of blocks, by which it is moved
         own, error = levels["median"], _shift_error(blocks, colour.size)
-        share = max(0.0, 1.0 - (BLOCK_ERRORS * error / shift) ** 2) if shift else 0.0
+        share = max(0.0, 1.0 - (TOLERATED * error / shift) ** 2) if shift else 0.0
         se = math.hypot(own.se, share * error)
         moved["median"] = replace(own, value=own.value + share * shift, se=se)
     return found | moved | _of_variances(upper, lower, parity)
@@ -122,13 +121,13 @@ def _of_variances(
     """How the temporal variance and the scatter of the DSNU vary over the field, over their means
     there.
     """
-    told: dict[str, Value] = {}
+    values: dict[str, Value] = {}
     for name, curve in RELATIVE.items():
         blocks = _whole(upper, lower, curve)
         if blocks is not None:
             found = _surfaces(blocks / blocks.mean(), parity)
-            told |= {f"{name}{i}_{j}": found[i, j] for i, j in RELATIVE_ORDERS}
-    return told
+            values |= {f"{name}{i}_{j}": found[i, j] for i, j in RELATIVE_ORDERS}
+    return values
 
 
 def _whole(upper: SettingStatistics, lower: SettingStatistics, name: str) -> np.ndarray | None:
@@ -136,8 +135,8 @@ def _whole(upper: SettingStatistics, lower: SettingStatistics, name: str) -> np.
     if name not in upper.curves or name not in lower.curves:
         return None
     blocks = np.concatenate([upper.curves[name], lower.curves[name]])
-    told = min(blocks.shape) >= 2 * ORDER and np.isfinite(blocks).all()
-    return blocks if told else None
+    usable = min(blocks.shape) >= 2 * ORDER and np.isfinite(blocks).all()
+    return blocks if usable else None
 
 
 def _surfaces(blocks: np.ndarray, parity: int) -> dict[tuple[int, int], Value]:

@@ -11,11 +11,10 @@ from scipy.optimize import nnls
 from dnanalyze.fitting.moments import Moments, temperature_knots
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.loaders.thermometer import tells_slope
-from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 from dnanalyze.model.laws import TableLaw, value_at
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import built_in
+from dnanalyze.model.registry import BASE, built_in
 
 # Shot noise has this share of the temporal variance at least, for of none a fit sees no slope; but
 # where there is hardly any charge no share makes a gain of more than that, DN/e-.
@@ -51,8 +50,7 @@ def _paper(m: Moments) -> NoiseModel:
     spread = np.maximum(spread, 0.02)
     square = m.signal**2 * np.exp(spread**2)
     sigma = np.sqrt(np.maximum(m.temporal, 1e-6) / (9.0 * square))
-    base = _base(
-        m,
+    base = built_in()[BASE](  # type: ignore[call-arg]
         mu=_table(m.points, np.log(m.signal) - spread**2 / 2),
         delta=_table(m.points, spread),
         phi=_table(m.points, np.full(len(m.points), 2e-3)),
@@ -62,7 +60,7 @@ def _paper(m: Moments) -> NoiseModel:
     return NoiseModel((base,), m.pedestal, m.reference)
 
 
-def ordinary_model(
+def baseline_by_moments(
     m: Moments,
     bits: int = 16,
     serial: tuple[float, float] = (0.0, 0.0),
@@ -93,15 +91,10 @@ def ordinary_model(
     delta = math.sqrt(math.log1p(min(max(relative, 1e-3), 50.0)))
     lit = [i for i, p in enumerate(m.points) if p.exposure_s is None or p.exposure_s > 0]
     reference = m.reference
-    ratio = np.array(
-        [
-            p.exposure_s / reference.exposure_s if p.exposure_s and reference.exposure_s else 1.0
-            for p in m.points
-        ]
-    )
-    rate = m.signal / ratio
+    rate = m.signal / np.array([p.exposure_over(reference) or 1.0 for p in m.points])
     mu = np.log(np.maximum(rate, 1e-4)) - delta**2 / 2
-    base = _base(m, mu=_by_temperature(m.points, mu, lit), delta=delta, phi=1e-3, sigma=1e-6)
+    rows = _by_temperature(m.points, mu, lit)
+    base = known[BASE](mu=rows, delta=delta, phi=1e-3, sigma=1e-6)  # type: ignore[call-arg]
     effects = (
         base,
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
@@ -149,9 +142,3 @@ def _by_temperature(points: list[OperatingPoint], mu: np.ndarray, lit: list[int]
     if not rows:
         rows[OperatingPoint()] = (1.0, 0.0), float(np.median(mu))
     return TableLaw(tuple(rows), tuple(v for _, v in rows.values()))
-
-
-def _base(m: Moments, **values: object) -> Effect:
-    from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
-
-    return ConvolvedLognormal(**values)  # type: ignore[arg-type]

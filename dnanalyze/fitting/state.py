@@ -8,12 +8,12 @@ from functools import cache, partial
 
 import numpy as np
 
-from dnanalyze.fitting.free_parameters import FreeParameter, positions
+from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters, positions
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.ties import Tie, misfits
+from dnanalyze.fitting.vectors import SCALE
 from dnanalyze.model.noise_model import NoiseModel
 
-SCALE = 6.0  # of the loss, in floors: a difference beyond it counts in proportion, not squared
 # Weight of the square of what a level lies beyond its bound, in bounds. On a real CCD the other
 # statistics gained 2,200 by four bounds of the level: they put it some percent beyond. Where bounds
 # cannot all be kept, half a bound beyond costs 2,500: no more than much else that is wrong there.
@@ -27,18 +27,18 @@ class State:
     Parameters
     ----------
     model : NoiseModel
-    free parameters : list of FreeParameter
+    free : list of FreeParameter
     train : ndarray
-        Differences in floors on the fitted half.
+        Misfits z on the fitted half, in reproducibility SDs.
     unseen : callable
-        Those on the judged half: simulated when first asked for, which no step of a fit does.
+        Those on the held-out half: simulated when first asked for, which no step of a fit does.
     jacobian : ndarray
         d train / d parameter, (numbers, free parameters); NaN columns are not known yet.
     at_rest : bool
         Whether a fit has ended here because its derivatives, which its last step showed to be true,
         promise no more.
     bounds : ndarray, optional
-        Of each train number, in floors: how far it may be off, inf where that is left to the loss.
+        Of each train number, in SDs: how far it may be off, inf where that is left to the loss.
     ties : tuple of Tie
         Constraints of free parameters by direct measurements.
     weight : ndarray or float
@@ -74,12 +74,7 @@ class State:
 
 def unseen(problem: FitProblem, model: NoiseModel) -> Callable[[], np.ndarray]:
     """Function that computes the misfits of the held-out half when first asked."""
-    return cache(partial(problem.judged_z, model))
-
-
-def given(z: np.ndarray) -> Callable[[], np.ndarray]:
-    """The same for known misfits."""
-    return lambda: z
+    return cache(partial(problem.held_out_z, model))
 
 
 def deviance(z: np.ndarray) -> np.ndarray:
@@ -103,9 +98,16 @@ def beyond(z: np.ndarray, bounds: np.ndarray | None) -> np.ndarray:
 
 
 def start(
-    problem: FitProblem, model: NoiseModel, free: list[FreeParameter], like: State | None = None
+    problem: FitProblem,
+    model: NoiseModel,
+    free: list[FreeParameter] | None = None,
+    like: State | None = None,
 ) -> State:
-    """Simulate a model; take over derivatives from a like model where free parameters agree."""
+    """Simulate a model; take over derivatives from a like model where free parameters agree.
+
+    ``free``: all parameters of the model by default.
+    """
+    free = free_parameters(model) if free is None else free
     train = problem.fitted_z(model)
     blank = np.full((len(train), len(free)), np.nan)
     weight = problem.train.weight
@@ -139,8 +141,8 @@ def evened(problem: FitProblem, state: State) -> tuple[FitProblem, State]:
 def carried(state: State, there: FitProblem, here: FitProblem) -> State:
     """The model of a state, with its derivatives, from the part to the whole or back.
 
-    A statistic's derivative is the same but for its floor; of one that only one of them has, it is
-    taken to be 0.
+    A statistic's derivative is the same but for its reproducibility SD; it is taken to be 0 for one
+    that only one of them has.
     """
     begun = start(here, state.model, state.free)
     return replace(begun, jacobian=there.train.derivatives_of(here.train, state.jacobian))

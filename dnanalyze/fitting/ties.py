@@ -19,12 +19,13 @@ from dnanalyze.fitting.level import NOISE, SIGNAL_SHARE
 from dnanalyze.fitting.level_laws import session_levels
 from dnanalyze.fitting.moments import BlackLevel, black_level
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.vectors import FIT_ERRORS
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.significance import TOLERATED
 
-RECORDED = 0.1  # relative error of a gain that the camera states, or the user
+# Relative error of a gain that the camera states, or the user: no quantity is off by less
+RECORDED = 0.1
 GAIN_TOLERANCE = 0.03  # of a photon transfer: levels of a few pixels within, and nonlinearity
 LEAST_ERROR = 1e-3  # DN, of a level: frames of one code all over state none
 TRANSFER = "photon transfer"
@@ -143,7 +144,7 @@ class Direct:
             Tie(
                 at,
                 parameter.position(g.value / times),
-                g.error / g.value if parameter.log else g.error,
+                g.error / (g.value if parameter.log else 1.0),
             )
             for g in self.gains_of(model)
         ]
@@ -157,19 +158,12 @@ class Direct:
                 return []
             shift = model.black_shift(model.reference, shape)
             return [Tie(at, level.mean - shift, level.error)]
-        point = law.points[int(parameter.part)]
-        found = self._black_and_error(point)
-        if found is None:
-            return []
-        return [Tie(at, found[0] - model.black_shift(point, shape), found[1])]
-
-    def _black_and_error(self, point: OperatingPoint) -> tuple[float, float] | None:
-        """Black level of a row and its standard error, DN; None where there is none of it."""
-        rows = self.sessions or self.level
+        point, rows = law.points[int(parameter.part)], self.sessions or self.level
         if rows is None or point not in rows.law.points:
-            return None
+            return []
         row = rows.law.points.index(point)
-        return rows.law.values[row], float(rows.errors[row])
+        black = rows.law.values[row] - model.black_shift(point, shape)
+        return [Tie(at, black, float(rows.errors[row]))]
 
 
 def digital_gain(model: NoiseModel) -> float:
@@ -193,9 +187,9 @@ def direct(statistics: Statistics) -> Direct:
     for setting in dict.fromkeys(g.gain for g in groups):
         own = [g.quantities for g in groups if g.gain == setting]
         found = [q[kinds.TRANSFER.key] for q in own if kinds.TRANSFER.key in q]
-        told = [(q.value, q.se) for q in found if q.value is not None and q.se is not None]
-        if told and len(told) == len(found):
-            value, se = np.array(told).T
+        transfers = [(q.value, q.se) for q in found if q.value is not None and q.se is not None]
+        if transfers and len(transfers) == len(found):
+            value, se = np.array(transfers).T
             mean = float(np.average(value, weights=se**-2.0))
             error = max(
                 float(np.sum(se**-2.0) ** -0.5), float(np.ptp(value)) / 2, GAIN_TOLERANCE * mean
@@ -212,7 +206,7 @@ def _sessions(seen: Readings, level: BlackLevel | None) -> SessionLevels | None:
     medians, errors = seen.value("median"), seen.error("median")
     noise = seen.noise
     signal = np.maximum(medians - np.nanmin(medians), 0.0)
-    off = np.maximum.reduce([FIT_ERRORS * errors, NOISE * noise, SIGNAL_SHARE * signal])
+    off = np.maximum.reduce([TOLERATED * errors, NOISE * noise, SIGNAL_SHARE * signal])
     off = np.maximum(off, LEAST_ERROR)
     if not (np.isfinite(medians).all() and np.isfinite(off).all()):
         return None

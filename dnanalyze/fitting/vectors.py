@@ -18,12 +18,10 @@ from dnanalyze.analyzers.statistics import (
 )
 from dnanalyze.fitting.shading import shading_values
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.significance import CERTAIN, TOLERATED
 
-# Misfit, in reproducibility SDs, of a statistic that the simulation lacks: from here on the loss
-# of a fit is linear in a difference.
-MISSING = 6.0
-# Reproducibility SDs that a level may be off in a fit, see `dnanalyze.fitting.level`
-FIT_ERRORS = 2.0
+SCALE = CERTAIN  # of the loss: a difference beyond it counts in proportion, not squared
+MISSING = SCALE  # misfit of a statistic that the simulation lacks
 Place = tuple[int, str]  # number of the operating point, colour plane
 
 
@@ -115,7 +113,7 @@ class Target:
         """
         if self.allowed is None:
             return None
-        errors = FIT_ERRORS / max(overdispersion, 1.0) ** 0.5
+        errors = TOLERATED / max(overdispersion, 1.0) ** 0.5
         return np.where(
             np.isinf(self.allowed),
             np.inf,
@@ -150,16 +148,9 @@ class Target:
             Key(settings.index(self.keys[i].setting), self.keys[i].plane, self.keys[i].name)
             for i in here
         )
-        return Target(
-            keys,
-            self.values[here],
-            self.coordinates[here],
-            self.stated[here],
-            self.families[here],
-            None if self.allowed is None else self.allowed[here],
-            None if self.scale is None else self.scale[here],
-            self.misfit,
-        )
+        arrays = ("values", "coordinates", "stated", "families", "allowed", "scale")
+        own = {name: of[here] for name in arrays if (of := getattr(self, name)) is not None}
+        return replace(self, keys=keys, **own)
 
     def rows_of(self, other: Target) -> np.ndarray:
         """Row of each number of another target in this one; -1 where it is not in it."""
@@ -198,22 +189,14 @@ def target(statistics: list[Statistics], part: int) -> Target:
         0 train, 1 test.
     """
     known = infos()
-    keys, values, coordinates, reproducibility_sd, families = [], [], [], [], []
-    for k, (value, se, info) in _numbers(statistics, part, known).items():
-        c = info.scale.coordinate(value)
-        if np.isfinite(c) and np.isfinite(se) and se > 0:
-            keys.append(k)
-            values.append(value)
-            coordinates.append(c)
-            reproducibility_sd.append(np.sqrt(2.0) * se)
-            families.append(info.family)
-    return Target(
-        tuple(keys),
-        np.array(values),
-        np.array(coordinates),
-        np.array(reproducibility_sd),
-        np.array(families),
-    )
+    rows = [
+        (key, value, c, np.sqrt(2.0) * se, info.family)
+        for key, (value, se, info) in _numbers(statistics, part, known).items()
+        if np.isfinite(c := info.scale.coordinate(value)) and np.isfinite(se) and se > 0
+    ]
+    keys, *columns = zip(*rows, strict=True) if rows else [()] * 5
+    values, coordinates, stated, families = map(np.array, columns)
+    return Target(tuple(keys), values, coordinates, stated, families)
 
 
 def places(statistics: Statistics) -> list[Place]:

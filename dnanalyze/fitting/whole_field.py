@@ -16,13 +16,12 @@ from scipy.stats import norm
 from dnanalyze.analyzers.field_profile import BLOCK, FieldProfile, field_profile
 from dnanalyze.fitting.design import Design
 from dnanalyze.fitting.level import NOISE
+from dnanalyze.fitting.placement import FRAMES
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 from dnanalyze.robust import robust_deviation
-
-FRAMES = 2  # of each operating point; block means repeat to 1/45 of the noise of a pixel
-CHANCE = 0.01  # that a right model is told to be off anywhere at any operating point
+from dnanalyze.significance import UNLIKELY
 
 
 @dataclass(frozen=True)
@@ -111,7 +110,7 @@ def coverage(plan: Design, model: NoiseModel | None = None) -> Coverage:
         len(every),
         sum(len(s.frames) for s in chosen),
         sum(len(s.frames) for s in every),
-        _around(plan),
+        plan.window,
         plan.shape,
         None if model is None else tuple(departures(plan, model)),
         sum(n for n in plan.members if n > 1),
@@ -133,24 +132,15 @@ def departures(plan: Design, model: NoiseModel) -> list[Departure]:
     list of Departure
         The largest of each kind at any operating point, the largest first.
     """
-    around = _around(plan)
-    if around.shape == plan.shape:
+    if plan.window.shape == plan.shape:
         return []
     worst: dict[str, Departure] = {}
     tests = 3 * len(plan.captures.settings)
     for off, point in _differences(plan, model):
-        for found in _beyond(off, around, point, plan.period, CHANCE / tests):
+        for found in _beyond(off, plan.window, point, plan.period, UNLIKELY / tests):
             if found.kind not in worst or found.sigma > worst[found.kind].sigma:
                 worst[found.kind] = found
     return sorted(worst.values(), key=lambda d: -d.sigma)
-
-
-def _around(plan: Design) -> Window:
-    """Both halves."""
-    a, b = plan.windows
-    return Window(
-        min(a.top, b.top), max(a.bottom, b.bottom), min(a.left, b.left), max(a.right, b.right)
-    )
 
 
 def _differences(plan: Design, model: NoiseModel) -> Iterator[tuple[FieldProfile, OperatingPoint]]:

@@ -74,7 +74,7 @@ def fitted_in(
     return expressed(fit(there, expressed(state, problem, there)), there, problem)
 
 
-Pair = tuple[np.ndarray, np.ndarray]  # of the fitted and of the judged half
+Pair = tuple[np.ndarray, np.ndarray]  # of the fitted and of the held-out half
 
 
 def scales(halves: tuple[Target, Target], drawn: Pair) -> Pair:
@@ -88,7 +88,7 @@ def scales(halves: tuple[Target, Target], drawn: Pair) -> Pair:
     Parameters
     ----------
     halves : (Target, Target)
-        The fitted and the judged half.
+        The fitted and the held-out half.
     drawn : (ndarray, ndarray)
         Coordinates of replicates on either, (replicates, statistics); NaN where one lacks it.
     """
@@ -154,8 +154,8 @@ def _ratio(half: Target, drawn: np.ndarray) -> np.ndarray:
     mean = np.where(seen, drawn, 0.0).sum(axis=0) / np.maximum(count, 1)
     square = np.where(seen, drawn - mean, 0.0) ** 2
     variance = 2.0 * square.sum(axis=0) / np.maximum(count - 1, 1)
-    told = (count == len(drawn)) & (variance > 0.0)
-    return np.where(told, variance / half.stated**2, 1.0)
+    usable = (count == len(drawn)) & (variance > 0.0)
+    return np.where(usable, variance / half.stated**2, 1.0)
 
 
 def expressed(state: State, there: FitProblem, here: FitProblem) -> State:

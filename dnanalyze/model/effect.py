@@ -13,7 +13,7 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -482,6 +482,30 @@ class Effect:
     def parameters(cls) -> dict[str, ParameterInfo]:
         """Name to unit, bounds and meaning, in order."""
         return {f.name: f.metadata["info"] for f in dataclasses.fields(cls)}
+
+    @classmethod
+    def within(cls, **values: Any) -> Self:
+        """Build with numbers moved within the bounds of their parameters; choices as they are.
+
+        Parameters
+        ----------
+        **values : Any
+            Parameter to number or choice.
+
+        Returns
+        -------
+        Effect
+            The effect.
+        """
+        known = cls.parameters()
+        return cls(
+            **{
+                name: value
+                if known[name].scale == "choice"
+                else min(max(float(value), known[name].lower), known[name].upper)
+                for name, value in values.items()
+            }
+        )
 
     @classmethod
     def from_plain(cls, raw: dict[str, Any]) -> Effect:

@@ -164,15 +164,12 @@ def _fit(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
 
 def _standard_errors(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     from dnanalyze.fitting.fit import with_uncertainties
-    from dnanalyze.fitting.free_parameters import free_parameters
     from dnanalyze.fitting.state import start
 
     model = bed.model(task)
     assert model is not None
     tell("progress", f"simulating {REPLICATES} sensors of the model")
-    found = with_uncertainties(
-        bed.problem, start(bed.problem, model, free_parameters(model)), REPLICATES
-    )
+    found = with_uncertainties(bed.problem, start(bed.problem, model), REPLICATES)
     return {"standard_errors": {p.name: p.se for p in found.parameters if p.se == p.se}}
 
 

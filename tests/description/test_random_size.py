@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dnanalyze.description.random_size import random_size
+from dnanalyze.description.found import random_size
 
 
 def test_of_equal_chance_it_is_the_variance_less_chance():

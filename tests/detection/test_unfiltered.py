@@ -9,8 +9,8 @@ from unfiltered import KINDS, Clusters, clustered_sensor, series
 from virtual_sensor import Traits, captures, from_stacks
 
 from dnanalyze.detection import detect
-from dnanalyze.detection.reasons import NOT_SIGNIFICANT
 from dnanalyze.detection.replaced import RULES, replaced
+from dnanalyze.detection.verdict import NOT_SIGNIFICANT
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 
 

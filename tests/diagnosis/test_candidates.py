@@ -15,7 +15,7 @@ from dnanalyze.diagnosis.candidates import (
     trials,
 )
 from dnanalyze.diagnosis.forms import in_best_form
-from dnanalyze.diagnosis.gains import judged, judged_by_prediction
+from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.score_test import Guess
 from dnanalyze.diagnosis.selection import EVIDENCE_DECISIVE, Trial, significant
@@ -106,11 +106,11 @@ def test_the_gain_is_that_of_both_halves_in_units_of_the_scatter(null, monkeypat
         "dnanalyze.diagnosis.candidates.EVIDENCE_DECISIVE", math.inf
     )  # no sensor decides alone
     (found,) = trials(null, of("column_fpn"))
-    again = judged_by_prediction(null, found)
+    again = trial_by_prediction(null, found)
     assert (again.gain, again.fitted_gain) == (found.gain, found.fitted_gain)
-    again = judged(null, "column_fpn", found.state)
+    again = trial_of(null, "column_fpn", found.state)
     assert again.falls.sum() == pytest.approx(again.gain + again.fitted_gain)
-    assert judged(null, "column_fpn", null.state).evidence == 0.0
+    assert trial_of(null, "column_fpn", null.state).evidence == 0.0
 
 
 def test_candidates_are_not_in_the_model_nor_excluded(null):
@@ -154,7 +154,7 @@ def test_of_the_leader_no_other_form_is_better(alike, competing):
 
 def test_competitors_are_judged_by_the_sensors_of_their_make(alike, competing):
     for t in competing:
-        again = judged_by_prediction(alike, judged(alike, t.effect, t.state))
+        again = trial_by_prediction(alike, trial_of(alike, t.effect, t.state))
         assert (t.gain, t.fitted_gain) == pytest.approx((again.gain, again.fitted_gain))
 
 

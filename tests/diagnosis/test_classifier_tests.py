@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.classifier_tests import TOLD, told_apart
+from dnanalyze.diagnosis.classifier_tests import DISTINGUISHED, without_distinguished
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.problem import fit_problem
@@ -43,15 +43,15 @@ def test_of_two_alike_the_one_whose_frames_are_told_is_excluded(problem):
         trial(problem, "wrong", STRIPED, 900.0),
         trial(problem, "right", EVIDENCE_DECISIVE, 850.0),
     )
-    first, second = told_apart(problem, [wrong, right])
-    assert (first.effect, first.denied) == ("wrong", TOLD)
+    first, second = without_distinguished(problem, [wrong, right])
+    assert (first.effect, first.denied) == ("wrong", DISTINGUISHED)
     assert not significant(first)
     assert second is right
 
 
 def test_two_whose_frames_are_told_stay_as_they_are(problem):
     both = [trial(problem, "one", STRIPED, 900.0), trial(problem, "other", STRIPED, 850.0)]
-    assert told_apart(problem, both) == both
+    assert without_distinguished(problem, both) == both
 
 
 def test_a_candidate_without_a_competitor_is_not_asked(problem):
@@ -59,5 +59,5 @@ def test_a_candidate_without_a_competitor_is_not_asked(problem):
         trial(problem, "wrong", STRIPED, 900.0),
         trial(problem, "right", EVIDENCE_DECISIVE, 100.0),
     ]
-    assert told_apart(problem, alone) == alone
-    assert told_apart(problem, []) == []
+    assert without_distinguished(problem, alone) == alone
+    assert without_distinguished(problem, []) == []

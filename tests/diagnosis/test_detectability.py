@@ -9,7 +9,6 @@ from dnanalyze.diagnosis.detectability import _View, detection_limits
 from dnanalyze.diagnosis.selection import EVIDENCE_ODDS_10
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
@@ -37,7 +36,7 @@ def state():
     )
     model = NoiseModel(effects, 100.0, POINTS[0], seed=5)
     problem = fit_problem(design(simulate(model, (128, 128), [(p, 4) for p in POINTS])))
-    return problem, derive(problem, start(problem, model, free_parameters(model)))
+    return problem, derive(problem, start(problem, model))
 
 
 def with_effect(state, name, **numbers):

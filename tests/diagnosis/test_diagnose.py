@@ -13,7 +13,6 @@ from dnanalyze.diagnosis.search_path import SearchLimits
 from dnanalyze.diagnosis.selection import OUTSIDE
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.residual import Residual
 from dnanalyze.fitting.state import start
@@ -100,7 +99,7 @@ def test_where_no_candidate_explains_the_rest_the_first_may_stand_in_for_another
 def test_a_candidate_that_is_not_significant_is_no_sure_name(rows, found):
     """One story: the list says what the verdict says."""
     captures, problem = rows
-    null = FittedModel.of(problem, start(problem, found.model, free_parameters(found.model)))
+    null = FittedModel.of(problem, start(problem, found.model))
     leader = found.trials[0]
     idle = replace(leader, effect="row_noise", state=null.state)  # corrects nothing
     told = judge(captures, null, [leader, idle], None, KNOWN)
@@ -118,7 +117,7 @@ def test_a_candidate_that_is_not_significant_is_no_sure_name(rows, found):
 def test_an_adequate_model_has_no_candidates(rows, found):
     captures, problem = rows
     model = found.trials[0].state.model
-    null = FittedModel.of(problem, start(problem, model, free_parameters(model)))
+    null = FittedModel.of(problem, start(problem, model))
     told = judge(captures, null, [found.trials[0]], None, KNOWN)
     assert (told.verdict, told.candidates, told.unexplained) == ("adequate", [], [])
 
@@ -170,7 +169,7 @@ def test_a_setting_whose_frames_are_nearly_all_alike_is_diagnosed_too():
     """A filter may leave that little; warnings are errors here."""
     problem = fit_problem(design(nearly_all_alike(captures_with({}))))
     model = paper_start(problem)
-    clues = Residual(problem, start(problem, model, free_parameters(model)))
+    clues = Residual(problem, start(problem, model))
     for effect in built_in().values():
         assert all(isinstance(guess, effect) for guess in effect.guess(clues))
     found = diagnose_on(problem.plan.captures, model, known=KNOWN, problem=problem)

@@ -6,12 +6,11 @@ import pytest
 from drawn_sensor import problem_with
 
 from dnanalyze.diagnosis.forms import _promising, completed, in_best_form, preferred
-from dnanalyze.diagnosis.gains import judged
+from dnanalyze.diagnosis.gains import trial_of
 from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
@@ -38,7 +37,7 @@ def test_a_completed_filter_has_its_strength_and_the_noise_that_goes_with_it(see
     problem = fit_problem(design(simulate(model(sigma, share, 1), (128, 128), [(point, 8)])))
     begun = model(0.8 * sigma, 0.25, seed)
     null = FittedModel(problem, start(problem, begun.without("temporal_denoise"), []))
-    found = judged(null, "temporal_denoise", start(problem, begun, free_parameters(begun)))
+    found = trial_of(null, "temporal_denoise", start(problem, begun))
     ended = completed(problem, found)
     # 16,384 pixels of 8 frames tell a memory to about .01
     assert ended.model.get("temporal_denoise").share == pytest.approx(share, abs=0.05)
@@ -56,18 +55,18 @@ def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
     problem = fit_problem(design(captures)).weighted(0.0)  # the model with a median is right
     begun = model("gaussian", 2)
     null = FittedModel(problem, start(problem, begun.without("denoise"), []))
-    found = judged(null, "denoise", start(problem, begun, free_parameters(begun)))
+    found = trial_of(null, "denoise", start(problem, begun))
     ended = in_best_form(problem, found)
     assert ended.model.get("denoise").kind == "median"
     assert ended.loss < found.state.loss
-    assert in_best_form(problem, judged(null, "denoise", ended)) is ended
+    assert in_best_form(problem, trial_of(null, "denoise", ended)) is ended
 
 
 @pytest.mark.long
 def test_the_better_by_both_halves_is_preferred():
     problem = problem_with({"row_fpn": "strong"})
     without, right = (
-        converge(problem, start(problem, m, free_parameters(m)))
+        converge(problem, start(problem, m))
         for m in (baseline_model(problem), baseline_model(problem).with_effect(RowFpn(1.0)))
     )
     assert preferred(without, right) is right
@@ -84,7 +83,7 @@ def test_forms_that_the_captures_do_not_tell_apart_are_none():
         model = NoiseModel((ReadNoise(4.0), PixelFpn(2.0), glow), 64.0, point, 1)
         problem = fit_problem(design(simulate(model, (128, 128), [(point, 4)])))
         begun = replace(model, seed=2).with_effect(replace(glow, location="se"))
-        state = derive(problem, start(problem, begun, free_parameters(begun)))
+        state = derive(problem, start(problem, begun))
         return _promising(problem, state, [replace(model, seed=2)])
 
     assert promising(0.004) == []

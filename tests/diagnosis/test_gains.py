@@ -8,10 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.gains import _witnessed, judged, judged_by_prediction
+from dnanalyze.diagnosis.gains import _witnessed, trial_by_prediction, trial_of
 from dnanalyze.diagnosis.predictive_check import REPLICATES, FittedModel
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import deviance, start
 from dnanalyze.loaders.captures import OperatingPoint, Window
@@ -39,7 +38,7 @@ def captures_of(*more: object, seed: int) -> FitProblem:
 
 
 def null_of(problem: FitProblem, model: NoiseModel) -> FittedModel:
-    return FittedModel(problem, start(problem, model, free_parameters(model)))
+    return FittedModel(problem, start(problem, model))
 
 
 def halves(problem: FitProblem):
@@ -54,7 +53,7 @@ def test_by_prediction_a_drift_of_another_walk_is_no_misfit(seed):
     null = null_of(problem, of(seed=20))
     for walk in (30, 40, 50):
         after = null_of(problem, of(DRIFT, seed=walk)).state
-        assert judged_by_prediction(null, judged(null, "offset_drift", after)).evidence > 60.0
+        assert trial_by_prediction(null, trial_of(null, "offset_drift", after)).evidence > 60.0
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -62,14 +61,14 @@ def test_by_prediction_what_varies_without_being_there_is_evidence_against_it(se
     problem = captures_of(seed=seed)
     null = null_of(problem, of(seed=20))
     after = null_of(problem, of(DRIFT, seed=30)).state
-    assert judged_by_prediction(null, judged(null, "offset_drift", after)).evidence < 0.0
+    assert trial_by_prediction(null, trial_of(null, "offset_drift", after)).evidence < 0.0
 
 
 def test_the_gain_is_that_of_the_density_under_nine_sensors_of_either_make():
     problem = captures_of(DRIFT, seed=1)
     null = null_of(problem, of(seed=20))
-    found = judged(null, "offset_drift", null_of(problem, of(DRIFT, seed=30)).state)
-    made = judged_by_prediction(null, found)
+    found = trial_of(null, "offset_drift", null_of(problem, of(DRIFT, seed=30)).state)
+    made = trial_by_prediction(null, found)
     expected = [0.0, 0.0]
     for model, sign in ((null.state.model, 1.0), (found.state.model, -1.0)):
         sensors = [

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.gains import judged
+from dnanalyze.diagnosis.gains import trial_of
 from dnanalyze.diagnosis.predictive_check import REPLICATES, FittedModel
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.level import MEAN
 from dnanalyze.fitting.problem import FitProblem, fit_problem
-from dnanalyze.fitting.state import given, start
+from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.flicker_fpn import FlickerFpn
 from dnanalyze.model.effects.offset_drift import OffsetDrift
@@ -40,7 +39,7 @@ def problem() -> FitProblem:
 
 
 def _null(problem: FitProblem, model: NoiseModel) -> FittedModel:
-    return FittedModel(problem, start(problem, model, free_parameters(model)))
+    return FittedModel(problem, start(problem, model))
 
 
 def with_misfits(null: FittedModel, train: np.ndarray, test: np.ndarray) -> FittedModel:
@@ -52,7 +51,7 @@ def with_misfits(null: FittedModel, train: np.ndarray, test: np.ndarray) -> Fitt
         for half, own, z in sides
     ]
     measured = replace(problem, train=there[0], test=there[1])
-    return FittedModel(measured, replace(state, train=train, unseen=given(test)))
+    return FittedModel(measured, replace(state, train=train, unseen=lambda: test))
 
 
 @pytest.fixture(scope="module")
@@ -144,9 +143,9 @@ def test_a_statistic_is_corrected_where_it_is_on_both_halves(without):
         np.where(half.names == "drift", 0.0, z)
         for half, z in ((problem.train, state.train), (problem.test, state.test))
     )
-    assert without.corrects(["drift", "mean"], replace(state, train=train, unseen=given(test)))
-    assert not without.corrects(["drift", "mean"], replace(state, unseen=given(test)))
-    assert not without.corrects(["mean"], replace(state, train=train, unseen=given(test)))
+    assert without.corrects(["drift", "mean"], replace(state, train=train, unseen=lambda: test))
+    assert not without.corrects(["drift", "mean"], replace(state, unseen=lambda: test))
+    assert not without.corrects(["mean"], replace(state, train=train, unseen=lambda: test))
 
 
 @pytest.mark.long
@@ -164,8 +163,8 @@ def test_evidence_from_one_sensors_random_field_is_in_units_of_its_scatter():
         np.where(np.char.startswith(half.names.astype(str), "shading"), 0.0, z)
         for half, z in ((seen.train, null.state.train), (seen.test, null.state.test))
     )
-    after = replace(null.state, train=train, unseen=given(test))
-    found = judged(null, "glow", after)
+    after = replace(null.state, train=train, unseen=lambda: test)
+    found = trial_of(null, "glow", after)
     further = [plain.problem.replicate(plain.state.model, n) for n in range(100, 140)]
     expected = 0.0
     for i, (half, z) in enumerate(((seen.train, plain.state.train), (seen.test, plain.state.test))):
@@ -180,6 +179,6 @@ def test_evidence_from_a_parameter_keeps_its_size():
     noisy = NoiseModel((ReadNoise(5.0), *BASE[1:]), 64.0, COLD, 1)
     seen = fit_problem(design(simulate(noisy, (128, 128), [(COLD, 8), (WARM, 8)])))
     null = _null(seen, _model(seed=2))
-    found = judged(null, "more_noise", _null(seen, replace(noisy, seed=2)).state)
+    found = trial_of(null, "more_noise", _null(seen, replace(noisy, seed=2)).state)
     assert found.falls.sum() / 2.0 == pytest.approx(found.evidence)
     assert found.evidence > 60.0

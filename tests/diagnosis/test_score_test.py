@@ -8,14 +8,13 @@ import pytest
 from dnanalyze.diagnosis.score_test import (
     LONGEST,
     along,
+    informative,
     much_left,
     restricted,
     score_tests,
-    telling,
 )
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import fit_problem
@@ -46,7 +45,7 @@ def sensor(*more):
 def baseline(problem):
     """The baseline model, fitted."""
     model = baseline_model(problem)
-    return converge(problem, start(problem, model, free_parameters(model)))
+    return converge(problem, start(problem, model))
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +118,7 @@ def test_the_promise_is_near_what_a_refit_brings():
     )
     state = baseline(problem)
     first = score_tests(problem, state, {"row_noise": KNOWN["row_noise"]})[0]
-    begun = start(problem, first.model, free_parameters(first.model), like=state)
+    begun = start(problem, first.model, like=state)
     fell = state.loss - minimise(problem, begun, 6).loss
     # two of two operating points are simulated: all of what the refit sees
     assert first.promise == pytest.approx(fell, rel=0.15)
@@ -176,8 +175,8 @@ def test_a_baseline_beside_a_guess_has_the_black_levels_of_all_operating_points(
     made = simulate(NoiseModel(effects, 200.0, points[0]), (128, 128), [(p, 3) for p in points])
     problem = fit_problem(design(made))
     model = baseline_model(problem)
-    begun = start(problem, model, free_parameters(model))
-    away = next(n for n in range(4) if n not in telling(problem, begun))
+    begun = start(problem, model)
+    away = next(n for n in range(4) if n not in informative(problem, begun))
     black = TableLaw(tuple(points), tuple(230.0 if n == away else 200.0 for n in range(4)))
     sessions = SessionLevels(black, np.full(4, 0.1), (points[away],))
     problem = replace(problem, direct=replace(problem.direct, sessions=sessions))

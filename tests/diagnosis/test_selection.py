@@ -22,7 +22,7 @@ from dnanalyze.diagnosis.selection import (
     overdispersion,
     significant,
 )
-from dnanalyze.fitting.state import State, deviance, given
+from dnanalyze.fitting.state import State, deviance
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.dpc import Dpc
@@ -76,7 +76,7 @@ def test_a_candidate_that_changes_nothing_has_that_of_all_statistics():
 
 
 def made(effect: str, gain: float, overdispersion: float = 1.0, error_fall: float = 0.5) -> Trial:
-    state = State(NoiseModel(()), [], np.ones(4), given(np.ones(4)), np.zeros((4, 0)))
+    state = State(NoiseModel(()), [], np.ones(4), lambda: np.ones(4), np.zeros((4, 0)))
     return Trial(effect, state, gain, gain, 1.0, error_fall, overdispersion)
 
 

@@ -9,7 +9,6 @@ from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.spread_law import in_words, spread_law, with_law
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import State, start
@@ -52,7 +51,7 @@ def sensor(slope, seed=1):
 def ordinary(slope) -> tuple[FitProblem, State]:
     problem = fit_problem(design(sensor(slope)))
     model = baseline_model(problem)
-    return problem, converge(problem, start(problem, model, free_parameters(model)), rounds=2)
+    return problem, converge(problem, start(problem, model), rounds=2)
 
 
 @pytest.mark.long

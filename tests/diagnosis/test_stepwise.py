@@ -7,7 +7,7 @@ import pytest
 from drawn_sensor import problem_with
 
 from dnanalyze.diagnosis.baseline import far_off
-from dnanalyze.diagnosis.gains import judged_by_prediction
+from dnanalyze.diagnosis.gains import trial_by_prediction
 from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.search_path import Path, SearchLimits
@@ -16,7 +16,6 @@ from dnanalyze.diagnosis.stepwise import Search, choose, reduced, supported, swa
 from dnanalyze.fitting import design as designs
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import carried, start
@@ -43,7 +42,7 @@ def fitted(problem, *effects):
     model = baseline_model(problem)
     for effect in effects:
         model = model.with_effect(effect)
-    return converge(problem, start(problem, model, free_parameters(model)))
+    return converge(problem, start(problem, model))
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +102,7 @@ def test_a_confounded_effect_gives_way_to_the_hidden_one(problem):
     assert without.state.model.get("row_noise") is None
     null = FittedModel.of(problem, state)
     assert comes.error < null.error
-    by_make = judged_by_prediction(null, comes)
+    by_make = trial_by_prediction(null, comes)
     assert (comes.gain, comes.fitted_gain) == pytest.approx((by_make.gain, by_make.fitted_gain))
     assert swapped(problem, state, [], {"row_fpn": RowFpn}, lambda _: None) is None
 

@@ -13,7 +13,6 @@ from dnanalyze.fitting import agreement
 from dnanalyze.fitting.agreement import Agreement, agreements
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
@@ -23,7 +22,7 @@ from dnanalyze.fitting.state import start
 def fitted():
     problem = fit_problem(design(with_bias()))
     model = baseline_model(problem)
-    return problem, converge(problem, start(problem, model, free_parameters(model)))
+    return problem, converge(problem, start(problem, model))
 
 
 def test_of_a_right_model_every_quantity_agrees_with_the_frames_and_the_truth(fitted):

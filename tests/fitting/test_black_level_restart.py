@@ -12,7 +12,6 @@ import small_series as small
 from dnanalyze.fitting.black_level_restart import at_black_level
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.readings import Readings
@@ -41,7 +40,7 @@ def problem():
 
 
 def at_rest(problem, model):
-    return derive(problem, start(problem, model, free_parameters(model)))
+    return derive(problem, start(problem, model))
 
 
 @pytest.mark.parametrize("black", [63.0, 64.6])

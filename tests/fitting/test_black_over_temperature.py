@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.fitting.moments import Moments, black_level
-from dnanalyze.fitting.start import ordinary_model
+from dnanalyze.fitting.start import baseline_by_moments
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import value_at
 from dnanalyze.thermal import arrhenius
@@ -56,7 +56,7 @@ def test_temperatures_beside_one_another_share_a_row():
     points += [OperatingPoint(-20.0, 100.0), OperatingPoint(-18.0, 100.0)]
     signal = np.array([300 * arrhenius(p.temperature_c, 0, 0.6) for p in points])
     m = Moments(points, 100.0, signal, np.ones(10), 0.04 * signal**2)
-    mu = ordinary_model(m).get("convolved_lognormal").mu
+    mu = baseline_by_moments(m).get("convolved_lognormal").mu
     assert sorted(p.temperature_c for p in mu.points) == [COLD, -20.0, WARM + 0.3]
     for p in points:
         grown = np.log(arrhenius(p.temperature_c, -20.0, 0.6))

@@ -22,7 +22,7 @@ def test_known_derivatives_size_the_steps_of_new_ones(monkeypatch):
         return whole(self, models)
 
     monkeypatch.setattr(FitProblem, "several", counted)
-    begun = start(problem, small.model(), free_parameters(small.model()))
+    begun = start(problem, small.model())
     first = derive(problem, begun)
     groups, once = len({k.group for k in begun.free}), len(tried)
     assert once > groups  # some first steps were too short, or too long
@@ -44,7 +44,7 @@ def test_many_derivatives_are_taken_on_half_of_the_field_where_that_tells_them(e
     problem, model = small.fit_problem_of(), small.model()
     if extra is not None:
         model = model.with_effect(small.KNOWN[extra]())
-    begun, benches = start(problem, model, free_parameters(model)), []
+    begun, benches = start(problem, model), []
     whole = FitProblem.several
 
     def seen(self, models):

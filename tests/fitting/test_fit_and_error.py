@@ -19,6 +19,6 @@ def test_a_fit_of_a_model_that_lacks_an_effect_lowers_the_model_error(missing):
     begun = paper_start(problem)
     ended = fit_on(captures, begun, replicates=0, problem=problem).model
     scaled = by_design(problem, begun)
-    errors = [pooled(scaled.judged_z(m), scaled.test.families) for m in (begun, ended)]
+    errors = [pooled(scaled.held_out_z(m), scaled.test.families) for m in (begun, ended)]
     # of sampling: each family's root mean square of some ten numbers, of nine families
     assert errors[1] < 1.1 * errors[0]

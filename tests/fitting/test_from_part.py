@@ -17,7 +17,7 @@ from dnanalyze.fitting.moments import moments
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import paper_models
-from dnanalyze.fitting.state import State, carried, given, start
+from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import Placing
 from dnanalyze.model.noise_model import NoiseModel
@@ -86,7 +86,7 @@ def test_a_quarter_of_the_field_tells_each_number_half_as_well(problem):
 
 
 def test_derivatives_go_over_in_the_floors_of_where_they_are_used(problem):
-    there = derive(problem.part, start(problem.part, model(4), free_parameters(model(4))))
+    there = derive(problem.part, start(problem.part, model(4)))
     here = carried(there, problem.part, problem)
     place = {k: i for i, k in enumerate(problem.part.train.keys)}
     for i, key in enumerate(problem.train.keys):
@@ -105,9 +105,9 @@ def test_derivatives_go_over_in_the_floors_of_where_they_are_used(problem):
 
 
 def test_they_are_nearly_those_of_the_whole_field(problem):
-    begun = start(problem, model(4), free_parameters(model(4)))
+    begun = start(problem, model(4))
     own = derive(problem, begun).jacobian
-    there = derive(problem.part, start(problem.part, model(4), free_parameters(model(4))))
+    there = derive(problem.part, start(problem.part, model(4)))
     other = carried(there, problem.part, problem).jacobian
     size = np.linalg.norm(own, axis=0)
     plain = size > 200.0  # of what moves little, each draws the luck of its own pixels
@@ -162,7 +162,7 @@ def test_the_papers_pedestal_is_chosen_on_the_part(problem, simulated):
 
 
 def test_derivatives_of_what_is_everywhere_are_taken_on_the_part(problem, simulated):
-    state = start(problem, model(1), free_parameters(model(1)))
+    state = start(problem, model(1))
     assert np.isnan(state.jacobian).all()
     blank = replace(state, jacobian=np.zeros_like(state.jacobian))
     simulated.clear()
@@ -176,7 +176,7 @@ def test_derivatives_of_what_is_everywhere_are_taken_on_the_part(problem, simula
 
 def test_derivatives_of_what_has_a_place_are_taken_on_the_whole(problem, simulated):
     placed = model(1, amp_glow={"amplitude": 5.0})
-    state = start(problem, placed, free_parameters(placed))
+    state = start(problem, placed)
     simulated.clear()
     found = derive(problem, state)
     of_glow = [k.effect == "amp_glow" for k in state.free]
@@ -202,7 +202,7 @@ def test_a_fit_ends_where_a_round_gains_nothing_a_hopeless_one_after_the_first(
 
     monkeypatch.setattr(from_part, "minimise", lower)
     monkeypatch.setattr(from_part, "derive", lambda _bench, state, **_: state)
-    begun = State(None, [], np.full(1000, 2.0), given(np.zeros(1)), np.zeros((1000, 0)))
+    begun = State(None, [], np.full(1000, 2.0), lambda: np.zeros(1), np.zeros((1000, 0)))
     from_part.converge(None, begun, hopeless=hopeless)
     assert len(made) == rounds
 

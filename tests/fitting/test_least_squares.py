@@ -9,7 +9,7 @@ import small_series as small
 
 from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.least_squares import HOPE, minimise, within_reach
-from dnanalyze.fitting.state import State, given, start
+from dnanalyze.fitting.state import State, start
 from dnanalyze.fitting.vectors import Key, Target
 
 
@@ -31,8 +31,8 @@ def test_a_step_tells_whether_its_derivatives_are_true(factor, far, true):
         return far - slope[:, 0] * (positions(moved, free) - here)
 
     problem = SimpleNamespace(bounds=lambda _: None, weight=1.0)
-    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, ties=lambda *_: ())
-    begun = State(model, free, z(model), given(z(model)), -factor * slope, not true)
+    straight = SimpleNamespace(fitted_z=z, held_out_z=z, train=problem, ties=lambda *_: ())
+    begun = State(model, free, z(model), lambda: z(model), -factor * slope, not true)
     ended = minimise(straight, begun, 5, tolerance=0.992 if far < 1 else 0.01)
     assert ended.loss < 0.5 * begun.loss
     assert ended.at_rest == true
@@ -44,11 +44,11 @@ def test_the_last_bits_of_linear_algebra_do_not_choose_the_path(monkeypatch):
     """Libraries that solve the same equations differ by some 1e-13; the models must not."""
     problem, begun = small.fit_problem_of(), replace(small.model(), pedestal=60.0)
     exact, rng = np.linalg.solve, np.random.default_rng(4)
-    ended = minimise(problem, start(problem, begun, free_parameters(begun)), iterations=3)
+    ended = minimise(problem, start(problem, begun), iterations=3)
     monkeypatch.setattr(
         np.linalg, "solve", lambda a, b: exact(a, b) * (1 + 1e-13 * rng.normal(size=b.shape))
     )
-    again = minimise(problem, start(problem, begun, free_parameters(begun)), iterations=3)
+    again = minimise(problem, start(problem, begun), iterations=3)
     assert again.model == ended.model != begun
     np.testing.assert_array_equal(again.train, ended.train)
 
@@ -60,7 +60,7 @@ def test_a_loss_is_within_reach_up_to_some_times_what_a_step_promises(share, rea
     slope = np.zeros((500, 2))
     slope[:50, 0] = 1.0  # moves a tenth of the numbers
     slope[:, 1] = np.nan  # not known: it promises nothing
-    state = State(model, free, np.full(500, 0.1), given(np.zeros(1)), slope)
+    state = State(model, free, np.full(500, 0.1), lambda: np.zeros(1), slope)
     promised = 50 * 0.1**2
     assert within_reach(state, state.loss - HOPE * promised / share) == reached
 
@@ -78,7 +78,7 @@ def test_families_count_equally_in_a_fit():
         return (positions(moved, free)[0] - here) - (families == "spectrum")
 
     problem = SimpleNamespace(bounds=lambda _: None, weight=target.weight)
-    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, ties=lambda *_: ())
+    straight = SimpleNamespace(fitted_z=z, held_out_z=z, train=problem, ties=lambda *_: ())
     begun = replace(start(straight, model, free), jacobian=np.ones((10, 1)))
     ended = minimise(straight, begun, 12, tolerance=1e-4)
     assert ended.train[0] == pytest.approx(0.5, abs=0.02)

@@ -11,7 +11,7 @@ from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.level import DarkSignals, allowed, level
-from dnanalyze.fitting.state import given, start
+from dnanalyze.fitting.state import start
 from dnanalyze.fitting.vectors import Key, Target
 from dnanalyze.loaders.captures import OperatingPoint
 
@@ -69,7 +69,7 @@ def test_a_model_of_another_level_is_not_adequate_whatever_its_error():
     mean = [np.where(half.names == "mean", 0.2, 0.0) for half in (problem.train, problem.test)]
     for size, kept in ((1.0, True), (40.0, False)):
         train, test = (size * z for z in mean)
-        found = FittedModel(problem, replace(right, train=train, unseen=given(test)))
+        found = FittedModel(problem, replace(right, train=train, unseen=lambda test=test: test))
         assert found.adequate == kept
         assert found.left == ([] if kept else ["mean"])
 
@@ -124,7 +124,7 @@ def test_a_level_is_not_given_up_for_many_statistics_that_lie_far_off(bound):
         return np.concatenate([[30.0 * x], np.full(20, 60.0 * (x - 1.0))])
 
     problem = SimpleNamespace(bounds=lambda _: bounds, weight=1.0)
-    straight = SimpleNamespace(fitted_z=z, judged_z=z, train=problem, ties=lambda *_: ())
+    straight = SimpleNamespace(fitted_z=z, held_out_z=z, train=problem, ties=lambda *_: ())
     slope = np.concatenate([[30.0], np.full(20, 60.0)])[:, None]
     ended = minimise(straight, replace(start(straight, model, free), jacobian=slope), 12)
     if np.isinf(bound):

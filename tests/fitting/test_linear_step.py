@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from dnanalyze.fitting.least_squares import DAMPING
-from dnanalyze.fitting.linear_step import linear_step
+from dnanalyze.fitting.least_squares import DAMPING, linear_step
 from dnanalyze.fitting.state import root_weights
 from dnanalyze.fitting.vectors import Key, Target
 

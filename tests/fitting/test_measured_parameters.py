@@ -1,7 +1,5 @@
 """A pattern's line in frames made without the package's simulator: read off, held, reported."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,6 @@ from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.diagnosis.refine import add_on
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import fit_on, paper_start
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.measured_parameters import at_measured_parameters, measured_parameters
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.readings import Readings
@@ -57,7 +54,7 @@ def guessed(captures):
     """First guesses beside the model of the first fit."""
     problem = fit_problem(design(captures))
     model = paper_start(problem)
-    return PeriodicPattern.guess(Residual(problem, start(problem, model, free_parameters(model))))
+    return PeriodicPattern.guess(Residual(problem, start(problem, model)))
 
 
 def test_a_guess_has_both_lines_of_the_captures_or_the_stronger(tmp_path):
@@ -78,13 +75,10 @@ def test_captures_of_one_line_are_guessed_no_other(tmp_path):
     assert [g.more for g in guessed(captures)] == [()] * len(guessed(captures))
 
 
-def test_lines_are_the_strongest_where_the_curve_of_all_is_not_kept(tmp_path):
+def test_lines_off_and_on_an_axis_are_read(tmp_path):
     captures = frames_in(tmp_path, [(0.0931, 0.4021), (0.0, 0.2131)], 5, (0.8, 0.6))
-    found = analyze(captures)
-    settings = tuple(replace(s, curves={}) for s in found.settings)
-    both = [Readings(s).waves("temporal", 0) for s in (found, replace(found, settings=settings))]
-    assert both[0] == both[1]
-    assert [wave.shared for wave in both[0]] == ["", "rows"]
+    waves = Readings(analyze(captures)).waves("temporal", 0)
+    assert [wave.shared for wave in waves] == ["", "rows"]
 
 
 def test_a_fit_begins_at_the_measured_line_and_reports_its_error(tmp_path):

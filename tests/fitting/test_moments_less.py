@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.fitting.moments import Moments, less
-from dnanalyze.fitting.start import ordinary_model
+from dnanalyze.fitting.start import baseline_by_moments
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.effects.hot_pixels import HotPixels
@@ -35,7 +35,7 @@ def test_the_rest_of_the_moments_is_the_sensors():
     np.testing.assert_allclose(rest.signal, dark)
     np.testing.assert_allclose(rest.temporal, READ**2 + GAIN * dark)
     np.testing.assert_allclose(rest.pattern, OFFSETS**2 + np.expm1(SPREAD**2) * dark**2)
-    model = ordinary_model(rest)
+    model = baseline_by_moments(rest)
     assert model.get("dark_shot_noise").dn_per_e == pytest.approx(GAIN)
     assert model.get("read_noise").sigma == pytest.approx(np.sqrt(READ**2 - 1 / 12))
     assert model.get("pixel_fpn").sigma == pytest.approx(OFFSETS)

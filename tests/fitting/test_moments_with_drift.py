@@ -8,7 +8,7 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.moments import Moments, moments, pedestal_guess
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.readings import Readings
-from dnanalyze.fitting.start import FAINT, SEEN, ordinary_model
+from dnanalyze.fitting.start import FAINT, SEEN, baseline_by_moments
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.thermal import arrhenius
 
@@ -34,9 +34,9 @@ def test_what_moves_whole_frames_is_no_noise_of_pixels():
 
 def test_of_a_slope_lost_in_drift_a_fit_finds_some():
     falling = np.array([20.0, 18.0, 16.0, 15.0, 14.0])
-    made = ordinary_model(Moments(POINTS, 100.0, DARK_E, falling, np.ones(5)))
+    made = baseline_by_moments(Moments(POINTS, 100.0, DARK_E, falling, np.ones(5)))
     assert made.get("dark_shot_noise").dn_per_e == pytest.approx(SEEN * 14.0 / DARK_E[-1])
-    made = ordinary_model(Moments(POINTS, 100.0, DARK_E / 100.0, falling, np.ones(5)))
+    made = baseline_by_moments(Moments(POINTS, 100.0, DARK_E / 100.0, falling, np.ones(5)))
     assert made.get("dark_shot_noise").dn_per_e == FAINT  # hardly any charge tells no gain
 
 

@@ -16,8 +16,8 @@ import small_series as small
 from dnanalyze.errors import InputError
 from dnanalyze.fitting import processes
 from dnanalyze.fitting.processes import (
-    MAX_PROCESSES,
     SHARED_FROM_PIXELS,
+    SHARES,
     Processes,
     helpers_for,
     helpers_of,
@@ -156,7 +156,7 @@ def test_helpers_are_started_only_where_there_is_much_to_do():
     assert helpers_for(SHARED_FROM_PIXELS - 1).shares == 1
     many = helpers_for(SHARED_FROM_PIXELS)
     try:
-        assert many.shares == min(cpu_count() - 1, MAX_PROCESSES) + 1
+        assert many.shares == min(cpu_count(), SHARES)
     finally:
         many.close()
 

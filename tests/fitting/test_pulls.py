@@ -10,7 +10,6 @@ import small_series as small
 from scipy.stats import f as fisher
 
 from dnanalyze.fitting.fit import Fit, fit, with_uncertainties
-from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.state import start
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
@@ -123,7 +122,7 @@ def test_paper_and_ten_effects_over_five_temperatures():
 def test_standard_errors_do_not_depend_on_the_weights_with_which_a_fit_began():
     """They are those of the misfit that is left at its end."""
     problem, model = small.fit_problem_of(), small.model()
-    state = start(problem, model, free_parameters(model))
+    state = start(problem, model)
     one, other = (
         with_uncertainties(problem.weighted(share), state, 4).parameters for share in (0.0, 1.0)
     )

@@ -43,7 +43,7 @@ def with_gain(gain: float):
 def test_a_gain_of_any_size_ends_where_the_true_one_does(problem, gain):
     """The truth is .5 DN/e-; at 1.1e-4 no statistic moves with the logarithm of the gain."""
     model = with_gain(gain)
-    ended = converge(problem, start(problem, model, free_parameters(model)))
+    ended = converge(problem, start(problem, model))
     found = ended.model.get("dark_shot_noise").dn_per_e
     # photon transfer over 320 DN: sqrt(2 / (3 * 128^2)) of either sensor, and the baseline's share
     assert found == pytest.approx(0.5, rel=0.1)
@@ -67,7 +67,7 @@ def test_a_far_step_of_a_logarithm_is_that_of_the_amplitude(problem):
 
 def test_nothing_is_lost_at_the_truth(problem):
     model = truth(seed=4)
-    state = derive(problem, start(problem, model, free_parameters(model)))
+    state = derive(problem, start(problem, model))
     again = restarted(problem, state, 3)
     np.testing.assert_allclose(
         positions(again.model, again.free), positions(state.model, state.free)

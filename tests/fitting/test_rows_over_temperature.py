@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.fitting.moments import Moments
-from dnanalyze.fitting.start import ordinary_model
+from dnanalyze.fitting.start import baseline_by_moments
 from dnanalyze.loaders.captures import OperatingPoint
 
 
@@ -13,7 +13,7 @@ def rows(*points: tuple[float, float]) -> list[float]:
     made = [OperatingPoint(*p) for p in points]
     signal = np.array([1.0 + 10.0 * p.exposure_s for p in made])
     moments = Moments(made, 100.0, signal, 4.0 + signal, 1.0 + 0.01 * signal**2)
-    mu = ordinary_model(moments).get("convolved_lognormal").mu
+    mu = baseline_by_moments(moments).get("convolved_lognormal").mu
     return [p.temperature_c for p in mu.points]
 
 

@@ -16,9 +16,9 @@ from dnanalyze.fitting.state import SCALE, deviance, start, with_derivatives_of
 
 
 def test_the_judged_half_is_simulated_once_and_only_where_it_is_asked_for(monkeypatch):
-    asked, whole = [], FitProblem.judged_z
+    asked, whole = [], FitProblem.held_out_z
     monkeypatch.setattr(
-        FitProblem, "judged_z", lambda self, model: asked.append(model) or whole(self, model)
+        FitProblem, "held_out_z", lambda self, model: asked.append(model) or whole(self, model)
     )
     problem, free = small.fit_problem_of(), free_parameters(small.model())
     ended = minimise(problem, start(problem, small.model(), free))

@@ -9,7 +9,6 @@ import report_fakes as fakes
 
 import dnanalyze
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
-from dnanalyze.comparator.rivals import Rival, Rivals, of_steps, unfiltered
 from dnanalyze.demo import tiny
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.fitting.design import design
@@ -25,6 +24,7 @@ from dnanalyze.report.figures.wang_2025 import figure_1, figure_2
 from dnanalyze.report.leads import compare_lead, diagnose_lead, plain_name, refine_lead
 from dnanalyze.report.page import render
 from dnanalyze.report.results import refinement, statistics
+from dnanalyze.report.rivals import Rival, Rivals, of_steps, unfiltered
 from dnanalyze.report.significant_structure import plainest, sentence_of, structures
 
 POINTS = OperatingPoint(15.0), OperatingPoint(95.0)

@@ -62,7 +62,7 @@ def compare(
     session.print(classification.line(judged))
 
     def page() -> Page:
-        from dnanalyze.comparator.rivals import Rivals, unfiltered
+        from dnanalyze.report.rivals import Rivals, unfiltered
 
         beside = Rivals(raw=unfiltered(problem, comparison.model))
         return report.page(comparison, judged, beside)

@@ -55,9 +55,9 @@ def diagnose(
 
     def page() -> Page:
         from dnanalyze.comparator.compare import compared, paper_model
-        from dnanalyze.comparator.rivals import of_diagnosis
         from dnanalyze.fitting.yardstick import by_design
         from dnanalyze.report.results import diagnosis as report
+        from dnanalyze.report.rivals import of_diagnosis
 
         with session.progress("Comparing the model with the captures"):
             assert diagnosis.model is not None

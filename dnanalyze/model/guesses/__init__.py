@@ -1,6 +1,7 @@
 """First guesses: what the statistics suggest for the parameters of each effect of the catalogue.
 
-One file an effect, of the effect's name, with ``guess(effect, clues)``; and what several lean on.
+One file an effect, of the effect's name, with ``guess(effect, clues)``, or one of several effects
+with the same estimate; and what several use.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from functools import cache
 from typing import Any
 
 EFFECTS = "dnanalyze.model.effects"
+SHARED = dict.fromkeys(("row_noise", "row_fpn", "column_noise"), "white_lines")
 
 
 def guess_of(effect: type) -> Callable[..., list[Any]] | None:
@@ -21,6 +23,7 @@ def guess_of(effect: type) -> Callable[..., list[Any]] | None:
     """
     for base in effect.__mro__:
         package, _, name = base.__module__.rpartition(".")
+        name = SHARED.get(name, name)
         if package == EFFECTS and name in _files():
             made: Callable[..., list[Any]] = importlib.import_module(f"{__name__}.{name}").guess
             return made

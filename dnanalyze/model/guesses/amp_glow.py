@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.amp_glow import PLACES, AmpGlow, glow
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import SIGN, curve
+from dnanalyze.model.guesses.evidence import curve
+from dnanalyze.significance import SIGN
 
 LENGTHS = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 1.2)
 
@@ -43,8 +43,11 @@ def guess(effect: type[AmpGlow], clues: Clues) -> list[Effect]:
         found = _over_settings(clues, heights)
         if found is not None:
             exposure, height, ea = found
-            values = clip(effect, amplitude=height, length=length, ea_ev=ea)
-            guesses.append(effect(**values, location=place, exposure=exposure))
+            guesses.append(
+                effect.within(
+                    amplitude=height, length=length, ea_ev=ea, location=place, exposure=exposure
+                )
+            )
     return guesses
 
 

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.cfa_mismatch import CfaMismatch
@@ -24,19 +23,19 @@ def guess(effect: type[CfaMismatch], clues: Clues) -> list[Effect]:
     show before it is tried.
     """
     lines = {name: f"pattern_nyquist_{k}" for name, k in _MODES}
-    ratios = {n: np.asarray(clues.measured(line), float) for n, line in lines.items()}
+    ratios = {n: clues.measured(line) for n, line in lines.items()}
     clear = strongest(clues, list(lines.values())) or 0
     least = _ALIKE**2 * np.nanmax([0.0, *(r[clear] for r in ratios.values())])
     seen = {n: shows(clues, [lines[n]]) and r[clear] > least for n, r in ratios.items()}
     if not (seen["uv"] or (seen["u"] and seen["v"])):
         return []
-    floor = np.asarray(clues.measured("pattern_psd_0.35_0.5"), float)
+    floor = clues.measured("pattern_psd_0.35_0.5")
     pixels = clues.shape[0] * clues.shape[1]
     sizes = {}
     for name, ratio in ratios.items():
         power = typical_positive(ratio * floor) if seen[name] else 0.0
-        sizes[name] = bounded(effect, name, _sign(clues, name) * math.sqrt(power / pixels))
-    return [effect(**sizes)]
+        sizes[name] = _sign(clues, name) * math.sqrt(power / pixels)
+    return [effect.within(**sizes)]
 
 
 def _sign(clues: Clues, name: str) -> float:

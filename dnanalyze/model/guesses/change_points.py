@@ -8,17 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from dnanalyze.robust import MAD
+from dnanalyze.significance import CERTAIN
 
 DEGREE = 3  # of the smooth trend beside the strips
 MAX_EDGES = 15  # edges: the 16 outputs of the widest readout in the catalogue
 NARROWEST = 8  # lines: from which a level is told from a defect of a few lines
 _FEWEST = 4 * NARROWEST  # lines
 _WITHOUT_GAIN = 3  # edges in a row that the criterion does not want: the search ends
-_OUTLIER = 6.0  # robust standard deviations; 2e-9 of Gaussian lines
 _BESIDE = 64  # lines at either side, at most, by which an edge is seen where it is
 _BEYOND = 1.5  # standard deviations: e^(-1.5 sqrt(2 ln n)), 1 % of profiles of 300 lines
 _LENGTHS = 8  # lengths of a settling that are tried, from half a line to half a strip
-_TINY = 1e-12  # of the variance: rounding
 
 
 @dataclass(frozen=True)
@@ -46,6 +45,7 @@ class Strips:
 @dataclass(frozen=True)
 class _Fit:
     edges: tuple[int, ...]
+    left: np.ndarray
     squares: float
     steps: np.ndarray
     settling: tuple[float, float, str] | None = None
@@ -74,7 +74,7 @@ def strips(profile: np.ndarray) -> Strips | None:
         return None
     level = _without_outliers(np.asarray(profile, float))
     level = level - level.mean()
-    floor = _TINY * float(level @ level) + 1e-30
+    floor = 1e-12 * float(level @ level) + 1e-30  # rounding
     trend = np.polynomial.legendre.legvander(np.linspace(-1, 1, n), DEGREE)
     found = [_fit(level, trend, ())]
     alone, best = found[0], 0
@@ -83,16 +83,16 @@ def strips(profile: np.ndarray) -> Strips | None:
         if len(edges) < len(found):
             break
         found.append(_fit(level, trend, edges))
-        told = n / _alike(level - _curve(trend, found[-1], level))
-        costs = [_cost(f, told, n, floor) for f in found]
+        independent = n / _alike(found[-1].left)
+        costs = [_cost(f, independent, n, floor) for f in found]
         best = int(np.argmin(costs))
         if len(found) - 1 - best >= _WITHOUT_GAIN:
             break
     if best == 0:
         return None
     chosen = min(
-        (_settled(level, trend, f, told, n, floor) for f in found[1 : best + 1]),
-        key=lambda f: _cost(f, told, n, floor),
+        (_settled(level, trend, f, independent, n, floor) for f in found[1 : best + 1]),
+        key=lambda f: _cost(f, independent, n, floor),
     )
     chosen = _seen(level, trend, chosen)
     if not chosen.edges or not _beats_a_curve(level, chosen, alone):
@@ -108,7 +108,7 @@ def _without_outliers(profile: np.ndarray) -> np.ndarray:
     middle = np.median(np.lib.stride_tricks.sliding_window_view(wide, 5), axis=1)
     apart = np.abs(profile - middle)
     sigma = MAD * float(np.median(apart))
-    return np.where(apart > _OUTLIER * sigma, middle, profile) if sigma > 0 else profile
+    return np.where(apart > CERTAIN * sigma, middle, profile) if sigma > 0 else profile
 
 
 def _shapes(
@@ -141,11 +141,10 @@ def _tails(n: int, edges: tuple[int, ...], length: float) -> tuple[np.ndarray, n
     return after, before
 
 
-def _solved(terms: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, float]:
-    """Least squares: weights of the terms, and the sum of squares left."""
+def _solved(terms: np.ndarray, level: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least squares: weights of the terms, and what they leave."""
     weights = np.linalg.lstsq(terms.T @ terms, terms.T @ level, rcond=None)[0]
-    left = level - terms @ weights
-    return weights, float(left @ left)
+    return weights, level - terms @ weights
 
 
 def _fit(
@@ -155,13 +154,8 @@ def _fit(
     settling: tuple[float, float, str] | None = None,
 ) -> _Fit:
     terms = np.hstack([trend, _shapes(level.size, edges, settling)])
-    weights, squares = _solved(terms, level)
-    return _Fit(edges, squares, weights[trend.shape[1] :], settling)
-
-
-def _curve(trend: np.ndarray, fit: _Fit, level: np.ndarray) -> np.ndarray:
-    terms = np.hstack([trend, _shapes(level.size, fit.edges, fit.settling)])
-    return np.asarray(terms @ _solved(terms, level)[0])
+    weights, left = _solved(terms, level)
+    return _Fit(edges, left, float(left @ left), weights[trend.shape[1] :], settling)
 
 
 def _gains(level: np.ndarray, trend: np.ndarray, edges: tuple[int, ...]) -> np.ndarray:
@@ -211,16 +205,20 @@ def _alike(left: np.ndarray) -> float:
     return 1.0 + 2.0 * float(rho[: apart[0] if apart.size else rho.size].sum())
 
 
-def _cost(fit: _Fit, told: float, n: int, floor: float) -> float:
+def _cost(fit: _Fit, independent: float, n: int, floor: float) -> float:
     """Modified Bayesian information criterion, for so many independent lines of n."""
     widths = np.diff([0, *fit.edges, n]) / n
     price = 3.0 * len(fit.edges) + (2.0 if fit.settling else 0.0)
     squares = max(fit.squares, floor)
-    return told * math.log(squares) + price * math.log(told) + float(np.log(widths).sum())
+    return (
+        independent * math.log(squares)
+        + price * math.log(independent)
+        + float(np.log(widths).sum())
+    )
 
 
 def _settled(
-    level: np.ndarray, trend: np.ndarray, fit: _Fit, told: float, n: int, floor: float
+    level: np.ndarray, trend: np.ndarray, fit: _Fit, independent: float, n: int, floor: float
 ) -> _Fit:
     """The fit with the settling that the criterion wants, or as it is.
 
@@ -237,7 +235,7 @@ def _settled(
             share = float(step @ amplitude / max(step @ step, 1e-30))
             settling = (min(max(share, -1.0), 1.0), float(length), side)
             made = _fit(level, trend, fit.edges, settling)
-            if _cost(made, told, n, floor) < _cost(best, told, n, floor):
+            if _cost(made, independent, n, floor) < _cost(best, independent, n, floor):
                 best = made
     return best
 
@@ -251,7 +249,6 @@ def _seen(level: np.ndarray, trend: np.ndarray, fit: _Fit) -> _Fit:
     """
     n = level.size
     while fit.edges:
-        left = level - _curve(trend, fit, level)
         units = _shapes(n, fit.edges, fit.settling)
         bounds = (0, *fit.edges, n)
         worst, least = -1, math.sqrt(2.0 * math.log(n)) + _BEYOND
@@ -259,9 +256,9 @@ def _seen(level: np.ndarray, trend: np.ndarray, fit: _Fit) -> _Fit:
             near = min(edge - bounds[k], bounds[k + 2] - edge)
             reach = min(max(near // 2, NARROWEST // 2), _BESIDE)
             kernel = _step_beside_slope(reach)
-            anywhere = np.correlate(left, kernel, mode="valid")
+            anywhere = np.correlate(fit.left, kernel, mode="valid")
             spread = max(MAD * float(np.median(np.abs(anywhere))), 1e-15)
-            own = left + fit.steps[k] * units[:, k]
+            own = fit.left + fit.steps[k] * units[:, k]
             seen = abs(float(kernel @ own[edge - reach : edge + reach])) / spread
             if seen < least:
                 worst, least = k, seen
@@ -283,7 +280,8 @@ def _beats_a_curve(level: np.ndarray, fit: _Fit, alone: _Fit) -> bool:
     """Whether strips leave less than a polynomial of as many numbers: place and height each."""
     degree = DEGREE + 2 * len(fit.edges) + (2 if fit.settling else 0)
     curve = np.polynomial.legendre.legvander(np.linspace(-1, 1, level.size), degree)
-    return fit.squares < min(_solved(curve, level)[1], alone.squares)
+    left = _solved(curve, level)[1]
+    return fit.squares < min(float(left @ left), alone.squares)
 
 
 def equal_strips(found: Strips, n: int, counts: tuple[int, ...]) -> int | None:

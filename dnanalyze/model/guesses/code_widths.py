@@ -10,8 +10,9 @@ import numpy as np
 
 LEAST, MOST = 2, 14  # degree of the logarithm of a density: a Gaussian's, and a skewed tail's
 CODES = 16, 8, 5, 3  # of a histogram for each degree, as they are tried
-ROUGH = 0.02  # relative error of a density's polynomial: more counts do not make it truer
-CORE = 0.02  # of the largest count: codes that occur often enough
+# Relative error of a density's polynomial: more counts do not make it truer, and codes that occur
+# less often than by its error at the top tell nothing
+ROUGH = 0.02
 WIDEST = 256  # codes about the most frequent: four of the longest periods
 MOVES = 0.3  # DN, rms that edges are out of place by before anything is seen
 THIN = 1e-3  # DN, of a code that never occurs
@@ -80,19 +81,19 @@ def code_widths(
     The histogram test of IEEE Std 1241, with densities that are not known. MacKay, Bayesian
     interpolation, Neural Computation 4 (1992), of the evidence.
     """
-    told = _stacked(histograms)
-    if told is None:
+    stacked = _stacked(histograms)
+    if stacked is None:
         return []
-    bends = [np.clip(told.sizes // codes, LEAST, MOST) for codes in CODES]
-    starts = [_plain(told, d) for d in bends]
+    bends = [np.clip(stacked.sizes // codes, LEAST, MOST) for codes in CODES]
+    starts = [_plain(stacked, d) for d in bends]
     one: list[_Fit] = []
     every: list[_Fit] = []
     for period in periods:
-        if np.unique(told.codes % period).size < period:
+        if np.unique(stacked.codes % period).size < period:
             continue
-        fits = [_fit(told, d, s, np.eye(period)) for d, s in zip(bends, starts, strict=True)]
+        fits = [_fit(stacked, d, s, np.eye(period)) for d, s in zip(bends, starts, strict=True)]
         edge = _edge(min(fits, key=lambda f: f.squares + f.price).widths)
-        one += [_fit(told, d, s, edge) for d, s in zip(bends, starts, strict=True)]
+        one += [_fit(stacked, d, s, edge) for d, s in zip(bends, starts, strict=True)]
         every += fits
     if not one:
         return []
@@ -114,7 +115,7 @@ def _stacked(histograms: Sequence[tuple[np.ndarray, np.ndarray]]) -> _Histograms
 
 def _core(codes: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """All codes, those that never occur too, from the first common one to the last."""
-    common = codes[counts > CORE * counts.max()].astype(int)
+    common = codes[counts > ROUGH * counts.max()].astype(int)
     most = int(codes[np.argmax(counts)])
     first = max(int(common[0]), most - WIDEST // 2)
     last = min(int(common[-1]), most + WIDEST // 2)
@@ -124,11 +125,11 @@ def _core(codes: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return np.arange(first, last + 1), dense
 
 
-def _plain(told: _Histograms, degrees: np.ndarray) -> np.ndarray:
+def _plain(stacked: _Histograms, degrees: np.ndarray) -> np.ndarray:
     """Coefficients of densities of equal codes."""
-    weight = np.sqrt(told.counts + 0.5)
-    basis = told.basis(told.codes.astype(float), degrees)
-    told_by = np.log(told.counts + 0.5) * weight
+    weight = np.sqrt(stacked.counts + 0.5)
+    basis = stacked.basis(stacked.codes.astype(float), degrees)
+    told_by = np.log(stacked.counts + 0.5) * weight
     return np.asarray(np.linalg.lstsq(basis * weight[:, None], told_by, rcond=1e-10)[0])
 
 
@@ -138,28 +139,28 @@ def _edge(widths: np.ndarray) -> np.ndarray:
     return np.asarray(np.eye(widths.size)[:, at : at + 1])
 
 
-def _fit(told: _Histograms, degrees: np.ndarray, start: np.ndarray, moved: np.ndarray) -> _Fit:
+def _fit(stacked: _Histograms, degrees: np.ndarray, start: np.ndarray, moved: np.ndarray) -> _Fit:
     """Densities and ``moved`` @ a, the places of a period's edges, (period, terms) @ (terms,)."""
     import scipy.optimize
 
     terms, period = start.size, len(moved)
-    lower, upper = moved[told.codes % period], moved[(told.codes + 1) % period]
+    lower, upper = moved[stacked.codes % period], moved[(stacked.codes + 1) % period]
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     inside, weights = (nodes[:, None] + 1.0) / 2.0, weights[:, None] / 2.0
-    scale = np.sqrt(told.counts + 1.0 + (ROUGH * told.counts) ** 2)
+    scale = np.sqrt(stacked.counts + 1.0 + (ROUGH * stacked.counts) ** 2)
 
     def density(at: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        basis = told.basis(at, degrees)
+        basis = stacked.basis(at, degrees)
         return np.exp(np.clip(basis @ f, -30.0, 40.0)), basis
 
     def edges(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        low = told.codes - 0.5 + lower @ a
-        return low, np.maximum(told.codes + 0.5 + upper @ a - low, THIN)
+        low = stacked.codes - 0.5 + lower @ a
+        return low, np.maximum(stacked.codes + 0.5 + upper @ a - low, THIN)
 
     def residual(x: np.ndarray) -> np.ndarray:
         low, width = edges(x[terms:])
         mean = np.sum(density(low + width * inside, x[:terms])[0] * weights, axis=0) * width
-        return np.append((mean - told.counts) / scale, x[terms:] / MOVES)
+        return np.append((mean - stacked.counts) / scale, x[terms:] / MOVES)
 
     def slopes(x: np.ndarray) -> np.ndarray:
         low, width = edges(x[terms:])
@@ -177,5 +178,5 @@ def _fit(told: _Histograms, degrees: np.ndarray, start: np.ndarray, moved: np.nd
     a = end.x[terms:]
     price = float(np.sum((a / MOVES) ** 2) + spread + 2.0 * a.size * math.log(MOVES))
     places = moved @ a
-    squares = float(np.sum(end.fun[: told.codes.size] ** 2))
-    return _Fit(np.roll(places, -1) - places, squares, price, told.codes.size - x0.size)
+    squares = float(np.sum(end.fun[: stacked.codes.size] ** 2))
+    return _Fit(np.roll(places, -1) - places, squares, price, stacked.codes.size - x0.size)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.cosmic_rays import STEPPED, CosmicRays
@@ -44,19 +43,18 @@ def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
     unseen = np.exp(-min(LIMIT * float(noise[place]) / a_pixel, 3.0))
     energy = a_pixel / hints.gains(clues)[place] * pixels
     more = (1, 10) if reached else (1,)
-    numbers = [
-        clip(effect, rate=rate / unseen, energy=energy * f, length=length, readout_s=waits)
-        for f in more
+    tracks = {"rate": rate / unseen, "length": length, "readout_s": waits}
+    guesses: list[Effect] = [
+        effect.within(**tracks, energy=energy * f, charge=kind) for kind in KINDS for f in more
     ]
-    guesses: list[Effect] = [effect(**n, charge=kind) for kind in KINDS for n in numbers]
     if seen is None:
         return guesses
     length, rate, pixels = seen.tracks(1.0)
     energy = (
         (a_pixel + math.sqrt(2.0) * CUT * float(noise[place])) / hints.gains(clues)[place] * pixels
     )
-    values = clip(effect, rate=rate, energy=energy, length=length, readout_s=waits)
-    return [*guesses, *(effect(**values, charge=kind) for kind in STEPPED)]
+    tracks = {"rate": rate, "energy": energy, "length": length, "readout_s": waits}
+    return [*guesses, *(effect.within(**tracks, charge=kind) for kind in STEPPED)]
 
 
 @dataclass(frozen=True)

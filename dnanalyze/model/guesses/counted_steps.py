@@ -6,7 +6,6 @@ import numpy as np
 
 # Power of the characteristic function, times the count, from which its log is told
 POWER_COUNTS = 12.0
-PERIODS = 0.9  # of the ripple that must be seen
 LEAST_RIPPLE = 10.0  # standard errors by which the ripple stands out
 NUMBERS = 0.02, 20.0
 SPACINGS = 160
@@ -54,8 +53,8 @@ def counted_steps(centres: np.ndarray, counts: np.ndarray) -> tuple[float, float
     smooth = (f[:, None] / f[-1]) ** SMOOTH
     basis = np.linalg.qr(smooth * weight[:, None])[0]
     rest = y * weight - basis @ (basis.T @ (y * weight))
-    best, steps = 0.0, None
-    for q in np.geomspace(max(PERIODS / f[-1], spread), 20.0 * spread, SPACINGS):
+    best, steps = 0.0, None  # nearly a period of the ripple must be seen
+    for q in np.geomspace(max(0.9 / f[-1], spread), 20.0 * spread, SPACINGS):
         ripple = 2.0 * (np.cos(2 * np.pi * f * q) - 1.0) * weight
         ripple = ripple - basis @ (basis.T @ ripple)
         square = float(ripple @ ripple)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.crosstalk import Crosstalk
@@ -25,4 +24,4 @@ def guess(effect: type[Crosstalk], clues: Clues) -> list[Effect]:
     if alpha <= 0:
         return []
     forms = ((0.25, 0.0), (1.0, 0.0), (0.25, differs / alpha))
-    return [effect(**clip(effect, alpha=alpha, diagonal=d, anisotropy=a)) for d, a in forms]
+    return [effect.within(alpha=alpha, diagonal=d, anisotropy=a) for d, a in forms]

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_fpn import LEFT, DarkCurrentFpn
@@ -21,8 +20,8 @@ def guess(effect: type[DarkCurrentFpn], clues: Clues) -> list[Effect]:
     and the root of that of the variance: their geometric mean.
     """
     names = [name for name in effect.fingerprint if name.startswith("pattern_q")]
-    level = np.asarray(clues.measured("mean"), float)
-    pattern = np.asarray(clues.measured("pattern_noise_core"), float)
+    level = clues.measured("mean")
+    pattern = clues.measured("pattern_noise_core")
     good = np.flatnonzero(np.isfinite(level) & np.isfinite(pattern))
     if good.size < 2 or not shows(clues, names, 0):
         return []
@@ -33,4 +32,4 @@ def guess(effect: type[DarkCurrentFpn], clues: Clues) -> list[Effect]:
     straight = pattern[high] - pattern[low]
     squared = math.sqrt(pattern[high] ** 2 - pattern[low] ** 2)
     rms = math.sqrt((1.0 - LEFT**2) * straight * squared) / grown
-    return [effect(**clip(effect, rms=rms), law=law) for law in ("normal", "gamma")]
+    return [effect.within(rms=rms, law=law) for law in ("normal", "gamma")]

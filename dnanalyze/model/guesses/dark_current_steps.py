@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_current_steps import DarkCurrentSteps
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.counted_steps import counted_steps
-from dnanalyze.model.guesses.evidence import SIGN, curve, shows
+from dnanalyze.model.guesses.evidence import histogram, shows
 from dnanalyze.model.guesses.hot_counts import USUAL
 from dnanalyze.model.guesses.hot_peaks import Peak, hot_peaks
+from dnanalyze.significance import SIGN
 
 METALS = 0.35  # activation energy of molybdenum and tungsten, eV
 TWICE = 0.2  # of the ratio of two peaks: bins of 10 %, and the median between core and mean
@@ -29,7 +29,7 @@ def guess(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
     guesses = _counted(effect, clues) + _rare(effect, clues)
     if shows(clues, ("pattern_steps",)):
         z = np.nan_to_num(clues.z("pattern_steps"))
-        spacing = np.asarray(clues.measured("pattern_step_dn"), float)
+        spacing = clues.measured("pattern_step_dn")
         guesses += _grown(effect, clues, np.where(z > SIGN, spacing, np.nan), [0.1, 0.5, 2.0])
     return guesses
 
@@ -63,8 +63,8 @@ def _counted(effect: type[DarkCurrentSteps], clues: Clues) -> list[Effect]:
         return []
     spacing, numbers = np.full(len(clues.points), np.nan), []
     for setting in range(spacing.size):
-        x, n = (curve(clues, f"pattern_hist_{axis}", setting) for axis in "xn")
-        counted = None if x is None or n is None else counted_steps(x, n)
+        seen = histogram(clues, "pattern_hist", setting)
+        counted = None if seen is None else counted_steps(*seen)
         if counted is not None:
             spacing[setting] = counted[0]
             numbers.append(counted[1])
@@ -85,7 +85,7 @@ def _grown(
     amplitude = spacing / hints.exposure_and_gain(clues)
     fits = [hints.thermal_fit(clues, amplitude, ea_ev) for ea_ev in (METALS, USUAL)]
     return [
-        effect(**clip(effect, step=fit[0], mean_number=n, ea_ev=fit[1], pairs=pairs))
+        effect.within(step=fit[0], mean_number=n, ea_ev=fit[1], pairs=pairs)
         for fit in dict.fromkeys(fits)
         if fit is not None
         for n in numbers

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_gradient import DarkGradient
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import shows, straight
-from dnanalyze.model.guesses.surfaces import LEAST_TERM, over_frame, shading, surfaces
+from dnanalyze.model.guesses.evidence import over_signal, shows, straight
+from dnanalyze.model.guesses.surfaces import over_frame, shading, surfaces
 from dnanalyze.model.surface import TERMS
+from dnanalyze.significance import NOTICEABLE
 
 SHORT = 0.1  # share of the longest exposure up to which a ramp is not that of the dark current
 LEAST_SLOPE = 8.0  # standard errors of a slope
@@ -26,8 +25,7 @@ def guess(effect: type[DarkGradient], clues: Clues) -> list[Effect]:
     shortest exposures.
     """
     waits = _waits(clues) if shows(clues, ("shading_0_1", "pattern_rows_0_0.02")) else None
-    ramp: dict[str, Any] = clip(effect, **(waits or {}))
-    return [*_surfaces(effect, clues), *([effect(**ramp)] if ramp else [])]
+    return [*_surfaces(effect, clues), *([effect.within(**waits)] if waits else [])]
 
 
 def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
@@ -43,27 +41,24 @@ def _surfaces(effect: type[DarkGradient], clues: Clues) -> list[DarkGradient]:
         return []
     height, ea = fitted
     best = int(np.nanargmax(np.where(np.isfinite(size), (seen**2).sum(0), -1)))
-    told = np.abs(raw[best]) >= min(LEAST_TERM * errors[best], np.abs(raw[best]).max())
-    terms = over_frame(told * fits[best] / size[best] * height, clues)
+    significant = np.abs(raw[best]) >= min(NOTICEABLE * errors[best], np.abs(raw[best]).max())
+    terms = over_frame(significant * fits[best] / size[best] * height, clues)
     values = dict(zip(TERMS, terms, strict=True))
-    inside: dict[str, Any] = clip(effect, **values, ea_ev=ea)
-    added = effect(**inside)
-    shares = _slopes(np.asarray(clues.measured("mean"), float), raw)
+    added = effect.within(**values, ea_ev=ea)
+    shares = _slopes(clues, raw)
     if shares is None:
         return [added]
-    share: dict[str, Any] = clip(
-        effect, **dict(zip(TERMS, over_frame(told * shares, clues), strict=True))
-    )
-    return [added, effect(**share, form="scaled")]
+    share = dict(zip(TERMS, over_frame(significant * shares, clues), strict=True))
+    return [added, effect.within(**share, form="scaled")]
 
 
-def _slopes(level: np.ndarray, fits: np.ndarray) -> np.ndarray | None:
+def _slopes(clues: Clues, fits: np.ndarray) -> np.ndarray | None:
     """Slope of each coefficient over the mean level, DN a DN; None: the level hardly moves."""
-    good = np.isfinite(level) & np.isfinite(fits).all(axis=1)
-    if good.sum() < 2 or np.ptp(level[good]) <= 0:
+    both = over_signal(clues, fits.T)
+    if both is None:
         return None
-    away = level[good] - level[good].mean()
-    return np.clip(away @ fits[good] / (away @ away), -0.5, 0.5)
+    away = both[0] - both[0].mean()
+    return np.asarray(np.clip(both[1] @ away / (away @ away), -0.5, 0.5))
 
 
 def _waits(clues: Clues) -> dict[str, float] | None:

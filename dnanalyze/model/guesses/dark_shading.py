@@ -6,15 +6,12 @@ import math
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_shading import DarkShading
 from dnanalyze.model.fingerprints import BANDS, centre, named
-from dnanalyze.model.guesses.evidence import band_excess, curve, power_law, shows
+from dnanalyze.model.guesses.evidence import band_excess, curve, over_signal, power_law, shows
 from dnanalyze.model.guesses.surfaces import shading
-
-GROWING = 0.5  # share of the blocks' variance at the highest level that the slope must explain
 
 
 def guess(effect: type[DarkShading], clues: Clues) -> list[Effect]:
@@ -26,22 +23,22 @@ def guess(effect: type[DarkShading], clues: Clues) -> list[Effect]:
         clues, ("shading_mid", *named("pattern_psd", BANDS[:3]))
     ):
         return []
-    level = np.asarray(clues.measured("mean"), float)
-    spread = np.full(level.size, np.nan)
-    for j in range(level.size):
+    spread = np.full(len(clues.points), np.nan)
+    for j in range(spread.size):
         blocks = curve(clues, "block_means", j)
         if blocks is not None and min(blocks.shape) >= 3:
             spread[j] = float(np.var(blocks))
-    good = np.isfinite(level) & np.isfinite(spread)
-    if good.sum() < 2 or np.ptp(level[good]) <= 0:
+    both = over_signal(clues, spread)
+    if both is None:
         return []
-    square = (level[good] - level[good].min()) ** 2
+    square = both[0] ** 2
     away = square - square.mean()
-    slope = float(away @ spread[good] / (away @ away))
-    if slope * square.max() < GROWING * spread[good].max():
+    slope = float(away @ both[1] / (away @ away))
+    if slope * square.max() < 0.5 * both[1].max():  # half of what the blocks vary by
         return []
-    power = band_excess(clues, "pattern_psd", BANDS)[:, good] @ square
+    known = np.isfinite(spread) & np.isfinite(clues.measured("mean"))
+    power = band_excess(clues, "pattern_psd", BANDS)[:, known] @ square
     seen = np.array([shows(clues, [name], 1, 1.5) for name in named("pattern_psd", BANDS)], float)
     frequency = np.array([centre(band) for band in BANDS])
     alpha = power_law(frequency, power, seen)[1] or 3.0
-    return [effect(**clip(effect, rms=math.sqrt(slope), alpha=alpha))]
+    return [effect.within(rms=math.sqrt(slope), alpha=alpha)]

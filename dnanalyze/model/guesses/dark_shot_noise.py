@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
@@ -19,13 +18,11 @@ def guess(effect: type[DarkShotNoise], clues: Clues) -> list[Effect]:
     slopes = [s for s in (_slope_of_settings(clues), _slope_of_pixels(clues)) if s and s > 0]
     if len(slopes) == 2 and 0.5 < slopes[0] / slopes[1] < 2:
         slopes = slopes[:1]
-    return [effect(**clip(effect, dn_per_e=s)) for s in slopes]
+    return [effect.within(dn_per_e=s) for s in slopes]
 
 
 def _slope_of_settings(clues: Clues) -> float | None:
-    gain = hints.gains(clues)
-    mean = np.asarray(clues.measured("mean"), float) / gain
-    variance = (np.asarray(clues.measured("temporal_noise"), float) / gain) ** 2
+    mean, variance = hints.photon_transfer(clues)
     good = np.isfinite(mean) & np.isfinite(variance)
     if good.sum() < 2 or np.ptp(mean[good]) <= 0:
         return None
@@ -35,7 +32,7 @@ def _slope_of_settings(clues: Clues) -> float | None:
 
 def _slope_of_pixels(clues: Clues) -> float | None:
     """Variance of the upper percent over that of the lower half, over their distance in level."""
-    rise = np.asarray(clues.measured("noise_at_99"), float) - clues.measured("noise_at_50")
-    level = np.asarray(clues.measured("pattern_q0.99"), float)  # above the median
+    rise = clues.measured("noise_at_99") - clues.measured("noise_at_50")
+    level = clues.measured("pattern_q0.99")  # above the median
     slope = rise / np.where(level > 0, level, np.nan) / hints.gains(clues)
     return float(np.nanmedian(slope)) if np.isfinite(slope).any() else None

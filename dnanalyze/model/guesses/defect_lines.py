@@ -29,8 +29,8 @@ def guess(effect: type[DefectLines], clues: Clues) -> list[Effect]:
             continue
         lines, length = clues.shape[across], clues.shape[1 - across]
         count = max(1.0, typical_positive(excess(clues, f"{line}_outliers")))
-        farthest = typical_positive(np.asarray(clues.measured(f"{line}_extreme"), float))
-        power = np.asarray(clues.simulated(f"pattern_{axis}_0.3_0.5"), float)
+        farthest = typical_positive(clues.measured(f"{line}_extreme"))
+        power = clues.simulated(f"pattern_{axis}_0.3_0.5")
         spread = math.sqrt(typical_positive(power) / length) or 1.0
         beyond = math.sqrt(1.0 + 2.0 * math.log(count))  # of the largest of so many Gaussians
         sigma = bounded(effect, "sigma", farthest * spread / beyond)

@@ -38,7 +38,7 @@ def guess(effect: type[Denoise], clues: Clues) -> list[Effect]:
     )  # fmt: skip
     if not signs:
         return []
-    corr = {k: np.asarray(clues.measured(f"temporal_corr_{k}"), float) for k in ("10", "20")}
+    corr = {k: clues.measured(f"temporal_corr_{k}") for k in ("10", "20")}
     near, far = (typical(corr[k]) for k in ("10", "20"))
     spacing = 2 if far > max(near, 0.0) + 0.02 else 1
     lag1 = max(near, far, 0.01)
@@ -85,7 +85,7 @@ def _space(lag1: float) -> float:
 
 def _least(clues: Clues) -> tuple[float, int]:
     """Temporal noise of the quietest setting that tells it, DN, and which that is."""
-    measured = np.asarray(clues.measured("temporal_noise"), float)
+    measured = clues.measured("temporal_noise")
     place = quietest(measured)
     noise = measured[place] if measured[place] > 0 else 1.0
     return min(max(float(noise), 0.02), 5e3), place

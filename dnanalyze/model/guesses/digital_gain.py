@@ -9,7 +9,7 @@ from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.digital_gain import DigitalGain, rounded_products
-from dnanalyze.model.guesses.evidence import curve, shows
+from dnanalyze.model.guesses.evidence import histogram, shows
 
 _CODES = 300  # of the histogram's body that are looked at
 _DEGREE = 6  # of the smooth log density under the comb
@@ -25,10 +25,9 @@ def guess(effect: type[DigitalGain], clues: Clues) -> list[Effect]:
         return []
     bodies = []
     for setting in range(len(clues.points)):
-        codes = curve(clues, "histogram_codes", setting)
-        counts = curve(clues, "histogram_counts", setting)
-        if codes is not None and counts is not None and np.all(codes == np.rint(codes)):
-            bodies.append(_body(np.asarray(codes), np.asarray(counts)))
+        seen = histogram(clues, "histogram", setting)
+        if seen is not None and np.all(seen[0] == np.rint(seen[0])):
+            bodies.append(_body(*seen))
     bodies = [(c, first) for c, first in bodies if c.size > 8 and c.sum() > 30 * c.size]
     if not bodies:
         return []
@@ -37,7 +36,7 @@ def guess(effect: type[DigitalGain], clues: Clues) -> list[Effect]:
     gain = _best_gain(counts, first)
     if gain is None:
         return []
-    level = np.asarray(clues.measured("mean"), float)
+    level = clues.measured("mean")
     level = level[np.isfinite(level)]
     offset = _offset(counts, first, gain, round(float(level.min())) if level.size else 0)
     return [effect(bounded(effect, "gain", gain), bounded(effect, "offset", offset), _top(clues))]
@@ -46,10 +45,11 @@ def guess(effect: type[DigitalGain], clues: Clues) -> list[Effect]:
 def _top(clues: Clues) -> float:
     """The highest code where many pixels share it: saturated ones. Else that of 16 bits."""
     for setting in range(len(clues.points)):
-        codes, counts = (curve(clues, f"histogram_{k}", setting) for k in ("codes", "counts"))
-        if codes is None or counts is None:
+        seen = histogram(clues, "histogram", setting)
+        if seen is None:
             continue
-        used = np.flatnonzero(np.asarray(counts) > 0)
+        codes, counts = seen
+        used = np.flatnonzero(counts > 0)
         if used.size > _DEGREE and counts[used[-1]] > 3 * counts[used[-4:-1]].max() + 5:
             return float(codes[used[-1]])
     return 65535.0

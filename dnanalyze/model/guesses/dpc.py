@@ -32,7 +32,7 @@ def guess(effect: type[Dpc], clues: Clues) -> list[Effect]:
     cut = shows(clues, [name for name, _ in _TAIL[-2:]], -1)
     if not (rare or tied or ranks or sparse or cut):
         return []
-    noise = typical_positive(np.asarray(clues.measured("temporal_noise_core"), float)) or 1.0
+    noise = typical_positive(clues.measured("temporal_noise_core")) or 1.0
     usual = bounded(effect, "threshold", (rare[0] if rare else 4.0) * noise)
     threshold = bounded(effect, "threshold", _threshold(clues) or usual)
     near = min(threshold, usual)
@@ -47,7 +47,7 @@ def guess(effect: type[Dpc], clues: Clues) -> list[Effect]:
     if rare:
         guesses += [effect(high, kind="multiple"), effect(low, kind="multiple")]
     if standing:
-        guesses.append(effect(bounded(effect, "threshold", 0.2 * noise), kind="clamp"))
+        guesses.append(effect.within(threshold=0.2 * noise, kind="clamp"))
     if sparse or cut:
         guesses.append(effect(kind="static"))
     if standing and threshold > HIGH_THRESHOLD * usual:
@@ -65,7 +65,7 @@ def guess(effect: type[Dpc], clues: Clues) -> list[Effect]:
 
 def _darkest(clues: Clues) -> float:
     """DN of the setting with the least signal."""
-    level = np.asarray(clues.measured("median"), float)
+    level = clues.measured("median")
     return float(np.nanmin(level)) if np.isfinite(level).any() else 0.0
 
 
@@ -82,15 +82,15 @@ def _threshold(clues: Clues) -> float:
     The noise, and with it what so many deviations are in DN, differs from setting to setting, so
     the counts bracket the threshold closer than those of one setting could.
     """
-    noise = np.asarray(clues.measured("temporal_noise_core"), float)
+    noise = clues.measured("temporal_noise_core")
     leads, left, weights = [], [], []
     for name, k in _EXCESS:
-        expected = np.asarray(clues.simulated(name), float)
-        seen = np.asarray(clues.measured(name), float)
-        told = np.isfinite(noise * expected * seen) & (expected > _ENOUGH)
-        leads += list(k * noise[told])
-        left += list(np.minimum(seen[told] / expected[told], 1.0))
-        weights += list(np.sqrt(expected[told]))
+        expected = clues.simulated(name)
+        seen = clues.measured(name)
+        usable = np.isfinite(noise * expected * seen) & (expected > _ENOUGH)
+        leads += list(k * noise[usable])
+        left += list(np.minimum(seen[usable] / expected[usable], 1.0))
+        weights += list(np.sqrt(expected[usable]))
     if not leads:
         return 0.0
     order = np.argsort(leads, kind="stable")
@@ -110,8 +110,8 @@ def _listed(clues: Clues) -> float:
     with their value.
     """
     setting = strongest(clues, [_TAIL[-1][0]]) or 0
-    top = float(np.asarray(clues.measured(_TAIL[-1][0]), float)[setting])
-    modelled = [float(np.asarray(clues.simulated(name), float)[setting]) for name, _ in _TAIL]
+    top = float(clues.measured(_TAIL[-1][0])[setting])
+    modelled = [float(clues.simulated(name)[setting]) for name, _ in _TAIL]
     if not np.all(np.isfinite([top, *modelled])):
         return typical_positive(-excess(clues, "hot_count_16")) / np.prod(clues.shape)
     return math.exp(np.interp(top, modelled, [math.log(share) for _, share in _TAIL]))

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.electron_multiplication import ElectronMultiplication
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import curve, shows
+from dnanalyze.model.guesses.evidence import histogram, shows
 
 # Third cumulant over that of counting noise from which a register is worth a trial. Below its
 # inverse it is that of no counted charge: hot pixels hide it.
@@ -29,10 +28,8 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
     """
     if not shows(clues, effect.fingerprint, 0):
         return []
-    gain = hints.gains(clues)
-    mean = np.asarray(clues.measured("mean"), float) / gain
-    variance = (np.asarray(clues.measured("temporal_noise"), float) / gain) ** 2
-    third = np.array([third_cumulant(clues, j) for j in range(mean.size)]) / gain**3
+    mean, variance = hints.photon_transfer(clues)
+    third = np.array([third_cumulant(clues, j) for j in range(mean.size)]) / hints.gains(clues) ** 3
     good = np.isfinite(mean) & np.isfinite(third) & (variance > 0)
     if good.sum() < 2 or np.ptp(mean[good]) <= 0:
         return []
@@ -43,15 +40,15 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
     ratio = float(min(skewed / slope**2, 1.9))
     if 1.0 / CUMULANT_RATIO < ratio < CUMULANT_RATIO:
         return []
-    guesses: list[Effect] = [effect(**clip(effect, excess=HIGH_GAIN))]
+    guesses: list[Effect] = [effect.within(excess=HIGH_GAIN)]
     if ratio < CUMULANT_RATIO:
         return guesses
     factor = round(1.0 / (2.0 - ratio), 3)
     if factor != HIGH_GAIN:
-        guesses.append(effect(**clip(effect, excess=factor)))
+        guesses.append(effect.within(excess=factor))
     induced = HIGH_GAIN * float(mean[good].min() + zero / skewed) / slope
     if induced > MUCH:
-        guesses.append(effect(**clip(effect, excess=HIGH_GAIN, induced=induced)))
+        guesses.append(effect.within(excess=HIGH_GAIN, induced=induced))
     return guesses
 
 
@@ -60,20 +57,20 @@ def third_cumulant(clues: Clues, setting: int) -> float:
 
     The mean of F frames has the DSNU's, and 1/F^2 of the noise's; variances tell F.
     """
-    single = _moments(clues, "histogram_codes", "histogram_counts", setting)
-    stack = _moments(clues, "pattern_hist_x", "pattern_hist_n", setting)
-    noise = float(np.asarray(clues.measured("temporal_noise"), float)[setting]) ** 2
+    single = _moments(histogram(clues, "histogram", setting))
+    stack = _moments(histogram(clues, "pattern_hist", setting))
+    noise = float(clues.measured("temporal_noise")[setting]) ** 2
     if single is None or stack is None or not noise > 0:
         return float("nan")
     part = min(max(1.0 - (single[0] - stack[0]) / noise, 0.0), 0.5)  # 1/F
     return (single[1] - stack[1]) / (1.0 - part**2)
 
 
-def _moments(clues: Clues, x: str, n: str, setting: int) -> tuple[float, float] | None:
+def _moments(seen: tuple[np.ndarray, np.ndarray] | None) -> tuple[float, float] | None:
     """Variance and third central moment of a histogram, without what is far out."""
-    values, counts = curve(clues, x, setting), curve(clues, n, setting)
-    if values is None or counts is None:
+    if seen is None:
         return None
+    values, counts = seen
     summed = np.cumsum(counts) / np.sum(counts)
     low, middle, high = values[np.searchsorted(summed, (0.159, 0.5, 0.841))]
     near = np.abs(values - middle) <= OUTLIER_DEVIATIONS * max(high - low, 1.0) / 2.0

@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dnanalyze.model.fingerprints import LINE_BANDS, edges, named
+from dnanalyze.significance import SIGN
 
 if TYPE_CHECKING:
     from dnanalyze.model.clues import Clues
-
-SIGN = 2.5
-"""A statistic this many standard deviations off, in any setting, is a sign worth a guess."""
 
 FLICKERS = 0.3
 """Temporal noise, DN, from which codes change often enough to tell it."""
@@ -23,8 +21,8 @@ FLICKERS = 0.3
 def quietest(noise: np.ndarray) -> int:
     """The setting of least temporal noise, DN, whose codes tell it: less seldom changes a code."""
     heard = np.where(np.isfinite(noise) & (noise > 0), noise, np.inf)
-    told = np.where(heard >= FLICKERS, heard, np.inf)
-    return int(np.argmin(told if np.isfinite(told).any() else heard))
+    clear = np.where(heard >= FLICKERS, heard, np.inf)
+    return int(np.argmin(clear if np.isfinite(clear).any() else heard))
 
 
 def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float = SIGN) -> bool:
@@ -33,7 +31,7 @@ def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float =
     At one setting by ``level``, or at all of them together by as much (Stouffer's sum).
     """
     for name in names:
-        z = np.asarray(clues.z(name), float)
+        z = clues.z(name)
         z = z[np.isfinite(z)]
         together = z.sum() / np.sqrt(max(z.size, 1))
         z = np.append(z, together)
@@ -44,7 +42,7 @@ def shows(clues: Clues, names: Iterable[str], direction: int = 1, level: float =
 
 def excess(clues: Clues, name: str) -> np.ndarray:
     """Measured minus simulated, one a setting, plain units; NaN where either is absent."""
-    return np.asarray(clues.measured(name), float) - np.asarray(clues.simulated(name), float)
+    return clues.measured(name) - clues.simulated(name)
 
 
 def band_excess(clues: Clues, prefix: str, bands: Sequence[str] = LINE_BANDS) -> np.ndarray:
@@ -68,8 +66,8 @@ def known(values: np.ndarray) -> np.ndarray:
 
 def typical(values: np.ndarray) -> float:
     """Median of what is known; 0 where nothing is."""
-    told = known(values)
-    return float(np.median(told)) if told.size else 0.0
+    finite = known(values)
+    return float(np.median(finite)) if finite.size else 0.0
 
 
 def typical_positive(values: np.ndarray) -> float:
@@ -96,7 +94,7 @@ def white_line_sigma(clues: Clues, prefix: str, length: int) -> float:
     tells little of what is at all frequencies, and may have too much of it.
     """
     power = band_excess(clues, prefix)
-    z = np.stack([np.asarray(clues.z(name), float) for name in named(prefix, LINE_BANDS)])
+    z = np.stack([clues.z(name) for name in named(prefix, LINE_BANDS)])
     with np.errstate(invalid="ignore", divide="ignore"):
         weight = (z / power) ** 2  # of a power in units of its standard deviation
         weight = np.where(np.isfinite(weight), weight, 0.0)
@@ -113,9 +111,31 @@ def curve(clues: Clues, name: str, setting: int) -> np.ndarray | None:
     return None if values is None or np.size(values) == 0 else np.asarray(values)
 
 
+def histogram(clues: Clues, name: str, setting: int) -> tuple[np.ndarray, np.ndarray] | None:
+    """Abscissa and counts of a histogram of one setting, or None where there is none.
+
+    ``name``: "histogram" of the codes, "pattern_hist" of the mean frame, or "difference_hist".
+    """
+    ends = ("codes", "counts") if name == "histogram" else ("x", "n")
+    x, counts = (curve(clues, f"{name}_{end}", setting) for end in ends)
+    return None if x is None or counts is None else (x, counts)
+
+
+def over_signal(clues: Clues, values: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Dark signal above the lowest level, DN, and values, (..., settings), where both are known.
+
+    None where the level hardly tells: fewer than two settings, or all alike.
+    """
+    level = clues.measured("mean")
+    good = np.isfinite(level) & np.isfinite(values).all(axis=tuple(range(values.ndim - 1)))
+    if good.sum() < 2 or np.ptp(level[good]) <= 0:
+        return None
+    return level[good] - level[good].min(), values[..., good]
+
+
 def strongest(clues: Clues, names: Iterable[str]) -> int | None:
     """The setting in which one of the statistics is farthest off the model; None: none has any."""
-    z = np.stack([np.abs(np.asarray(clues.z(name), float)) for name in names])
+    z = np.stack([np.abs(clues.z(name)) for name in names])
     z = np.where(np.isfinite(z), z, -1.0).max(axis=0)
     return int(np.argmax(z)) if z.size and z.max() >= 0 else None
 

@@ -12,13 +12,19 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.flicker_fpn import FlickerFpn
 from dnanalyze.model.fingerprints import BANDS, centre, named
-from dnanalyze.model.guesses.evidence import band_excess, power_law, shows, typical
+from dnanalyze.model.guesses.evidence import (
+    band_excess,
+    over_signal,
+    power_law,
+    shows,
+    typical,
+)
 
 
 def guess(effect: type[FlickerFpn], clues: Clues) -> list[Effect]:
     """A power law through the unexplained axis-masked power."""
     prefix = "pattern_psd"
-    if not np.any(np.isfinite(np.asarray(clues.measured("pattern_psd_0.04_0.08"), float))):
+    if not np.any(np.isfinite(clues.measured("pattern_psd_0.04_0.08"))):
         prefix = "frame_psd"
     if not shows(clues, named(prefix, BANDS[:5])):
         return []
@@ -27,25 +33,23 @@ def guess(effect: type[FlickerFpn], clues: Clues) -> list[Effect]:
     guesses: list[Effect] = []
     offset = _law(np.array([typical(row) for row in excess]), seen, clues.shape)
     if offset is not None:
-        guesses.append(
-            effect(bounded(effect, "rms", offset[0]), bounded(effect, "alpha", offset[1]))
-        )
-    share = _law(_shares(np.asarray(clues.measured("mean"), float), excess), seen, clues.shape)
+        guesses.append(effect.within(rms=offset[0], alpha=offset[1]))
+    share = _law(_shares(clues, excess), seen, clues.shape)
     if share is not None and share[0] < 1.0:
-        rms, alpha = bounded(effect, "rms", share[0]), bounded(effect, "alpha", share[1])
-        guesses.append(effect(rms, alpha, "scaled"))
+        guesses.append(effect.within(rms=share[0], alpha=share[1], form="scaled"))
     return guesses
 
 
-def _shares(level: np.ndarray, excess: np.ndarray) -> np.ndarray:
+def _shares(clues: Clues, excess: np.ndarray) -> np.ndarray:
     """Power of each band over the square of the dark signal: least squares over the settings.
 
-    The signal is taken from the lowest level; zeros where the level hardly moves.
+    Zeros where the level hardly moves.
     """
-    good = np.isfinite(level) & np.isfinite(excess).all(axis=0)
-    square = (level[good] - level[good].min()) ** 2 if good.any() else np.empty(0)
-    size = float(square @ square)
-    return excess[:, good] @ square / size if size > 0 else np.zeros(len(excess))
+    both = over_signal(clues, excess)
+    if both is None:
+        return np.zeros(len(excess))
+    square, power = both[0] ** 2, both[1]
+    return np.asarray(power @ square / float(square @ square))
 
 
 def _law(power: np.ndarray, seen: np.ndarray, shape: tuple[int, int]) -> tuple[float, float] | None:

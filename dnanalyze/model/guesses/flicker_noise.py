@@ -16,7 +16,6 @@ from dnanalyze.model.guesses.evidence import excess, power_law, shows, typical
 
 # The lowest bands of the rows lie a factor of 6 apart: 1/f^alpha rises by 6^alpha, 1.7 at least.
 _RISING = 1.5
-_LEAST_ALPHA = 0.3  # of the catalogue
 _ALONG_ROW = ("0_0.03", "0.03_0.1", "0.1_0.3", "0.3_0.5")
 
 
@@ -43,8 +42,8 @@ def guess(effect: type[FlickerNoise], clues: Clues) -> list[Effect]:
     if cut is not None:
         constant, alpha, cutoff = cut
         alpha = bounded(effect, "alpha", alpha)
-        rms = bounded(effect, "rms", _rms(rows * columns, constant, alpha, cutoff))
-        guesses.insert(0, effect(rms, alpha, cutoff=bounded(effect, "cutoff", cutoff)))
+        rms = _rms(rows * columns, constant, alpha, cutoff)
+        guesses.insert(0, effect.within(rms=rms, alpha=alpha, cutoff=cutoff))
     middle, high = (names.index(f"temporal_u_{b}") for b in _ALONG_ROW[-2:])
     # of one chain the power falls with the frequency; of two that at u is that at 1/2 - u too
     if significant[high] and power[high] > power[middle]:
@@ -70,7 +69,7 @@ def _cutoff(
         return None
     along = seen & (np.arange(f.size) >= lines)
     constant, alpha = power_law(f, power, along.astype(float))
-    if constant <= 0 or alpha < _LEAST_ALPHA:
+    if constant <= 0 or alpha < FlickerNoise.parameters()["alpha"].lower:
         return None
     cutoff = float((constant / np.sqrt(low * near)) ** (1.0 / alpha))
     return constant, alpha, cutoff if cutoff < 0.5 else 0.5

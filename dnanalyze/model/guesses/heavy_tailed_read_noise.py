@@ -26,9 +26,9 @@ def guess(effect: type[HeavyTailedReadNoise], clues: Clues) -> list[Effect]:
     low = ("temporal_q0.001", "temporal_q0.01")
     if not (shows(clues, high) or shows(clues, low, -1)):
         return []
-    core = np.asarray(clues.measured("temporal_noise_core"), float)
+    core = clues.measured("temporal_noise_core")
     with np.errstate(invalid="ignore", divide="ignore"):
-        ratio = np.asarray(clues.measured("temporal_q0.999"), float) / core
+        ratio = clues.measured("temporal_q0.999") / core
     tail = _tail_of(typical_positive(ratio) or 4.5)
     noise = typical_positive(core) or 1.0
     whole, part = (bounded(effect, "sigma", share * noise) for share in (0.9, 0.5))

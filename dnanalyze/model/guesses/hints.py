@@ -9,11 +9,18 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.thermal import KELVIN, activation, arrhenius, arrhenius_line
 
 
-def unexplained_variance(clues: Clues, name: str) -> np.ndarray:
-    """Measured minus simulated square of a standard deviation, DN^2, one a setting."""
-    return (
-        np.asarray(clues.measured(name), float) ** 2 - np.asarray(clues.simulated(name), float) ** 2
-    )
+def unexplained_sigma(clues: Clues, name: str) -> float | None:
+    """Standard deviation at the reference gain that the model lacks, DN; None: not measured.
+
+    The median over the settings where it lacks any; where it lacks none, most of the least of all.
+    """
+    measured, simulated = (of(name) for of in (clues.measured, clues.simulated))
+    lost = (measured**2 - simulated**2) / gains(clues) ** 2
+    good = lost[np.isfinite(lost) & (lost > 0)]
+    if good.size:
+        return float(np.sqrt(np.median(good)))
+    total = measured / gains(clues)
+    return 0.7 * float(np.nanmin(total)) if np.isfinite(total).any() else None
 
 
 def exposure_and_gain(clues: Clues) -> np.ndarray:
@@ -34,6 +41,12 @@ def exposure_and_gain(clues: Clues) -> np.ndarray:
 def gains(clues: Clues) -> np.ndarray:
     """Gain over the reference's, one a setting; 1 where unknown."""
     return np.array([p.gain_over(clues.reference) for p in clues.points])
+
+
+def photon_transfer(clues: Clues) -> tuple[np.ndarray, np.ndarray]:
+    """Mean level and temporal variance at the reference gain, DN and DN^2, one a setting."""
+    mean = clues.measured("mean") / gains(clues)
+    return mean, (clues.measured("temporal_noise") / gains(clues)) ** 2
 
 
 def thermal_growth(clues: Clues, ea_ev: np.ndarray) -> np.ndarray:
@@ -73,7 +86,9 @@ def thermal_fit(
     celsius = np.array([origin if t is None else t for t in temperature])[good]
     x, y = activation(celsius + KELVIN, origin + KELVIN), np.log(amplitude[good])
     w = np.exp(0.5 * (y - y.max()))
-    told = tells_slope(t for t, g in zip(temperature, good, strict=True) if g)
-    ea = arrhenius_line(x, amplitude[good], 1.0 / np.sqrt(w)).energy_ev if told else default_ev
+    determined = tells_slope(t for t, g in zip(temperature, good, strict=True) if g)
+    ea = (
+        arrhenius_line(x, amplitude[good], 1.0 / np.sqrt(w)).energy_ev if determined else default_ev
+    )
     ea = min(max(ea, 0.0), 1.5)
     return float(np.exp(np.average(y - ea * x, weights=w))), ea

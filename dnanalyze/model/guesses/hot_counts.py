@@ -39,11 +39,16 @@ def _of_all(clues: Clues) -> HotSignal | None:
     sigma = _sigma(clues)
     growth = hints.thermal_growth(clues, energies) * hints.exposure_and_gain(clues)
     extra, variance = _between(clues)
-    told = np.isfinite(sigma) & (sigma > 0) & np.isfinite(growth).all(axis=0)
-    told &= np.isfinite(extra).any(axis=0)
-    if not told.any():
+    usable = np.isfinite(sigma) & (sigma > 0) & np.isfinite(growth).all(axis=0)
+    usable &= np.isfinite(extra).any(axis=0)
+    if not usable.any():
         return None
-    extra, variance, sigma, growth = extra[:, told], variance[:, told], sigma[told], growth[:, told]
+    extra, variance, sigma, growth = (
+        extra[:, usable],
+        variance[:, usable],
+        sigma[usable],
+        growth[:, usable],
+    )
     variance, extra = np.where(np.isfinite(extra), variance, np.inf), np.nan_to_num(extra)
     plainest = int(np.argmax(np.sum(extra / np.sqrt(variance), axis=0)))
     scales = np.geomspace(*REACHES) * sigma[plainest] / growth[:, [plainest]]
@@ -97,7 +102,7 @@ def _typical(clues: Clues) -> HotSignal | None:
 
 def _sigma(clues: Clues) -> np.ndarray:
     """Robust sigma of the pattern, DN, one a setting; of a frame where there is but one."""
-    sigma = np.asarray(clues.measured("pattern_noise_core"), float)
+    sigma = clues.measured("pattern_noise_core")
     return np.where(np.isfinite(sigma), sigma, clues.measured("frame_noise_core"))
 
 

@@ -10,15 +10,14 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import label
 
 from dnanalyze.model.clues import Clues
-from dnanalyze.model.guesses.evidence import curve, shows
+from dnanalyze.model.guesses.evidence import histogram, shows
+from dnanalyze.significance import CLEAR
 
-HOT_DEVIATIONS = 5.0  # robust standard deviations of the pattern from which a pixel counts as hot
 FEWEST = 20.0  # hot pixels that show how they are spread
 BIN = 0.1  # of ln DN: the bins of the measured histogram beyond 12 standard deviations
 REACH = 6  # bins to either side that tell the tail: a factor of 1.8, in which few tails bend
 APART = 2  # bins to either side that belong to a peak
 UNLIKE = 0.1  # share of the tail by which no smooth one is exact
-STANDS_OUT = 5.0  # standard deviations of the counts, of some 60 bins
 SIGNS = *(f"hot_count_{k}" for k in (5, 8, 16)), "pattern_q0.99", "pattern_q0.999"
 
 
@@ -43,14 +42,13 @@ class Peak:
 
 def hot_peaks(clues: Clues) -> list[list[Peak]]:
     """The peaks of each setting, those of most pixels first; none without a sign of hot pixels."""
-    sigma = np.asarray(clues.measured("pattern_noise_core"), float)
+    sigma = clues.measured("pattern_noise_core")
     if not shows(clues, SIGNS, 0):
         return [[] for _ in sigma]
     found = []
     for setting, deviation in enumerate(sigma):
-        x, n = (curve(clues, f"pattern_hist_{axis}", setting) for axis in "xn")
-        told = x is not None and n is not None and np.isfinite(deviation) and deviation > 0.0
-        found.append(peaks(x, n, float(deviation)) if told else [])  # type: ignore[arg-type]
+        seen = histogram(clues, "pattern_hist", setting)
+        found.append(peaks(*seen, float(deviation)) if seen and deviation > 0.0 else [])
     return found
 
 
@@ -73,17 +71,17 @@ def peaks(centres: np.ndarray, counts: np.ndarray, sigma: float) -> list[Peak]:
     """
     summed = np.cumsum(counts)
     x = centres - np.interp(0.5 * summed[-1], summed, centres)
-    hot = x > HOT_DEVIATIONS * sigma
+    hot = x > CLEAR * sigma
     if counts[hot].sum() < FEWEST:
         return []
-    place = np.floor(np.log(x[hot] / (HOT_DEVIATIONS * sigma)) / BIN).astype(int)
+    place = np.floor(np.log(x[hot] / (CLEAR * sigma)) / BIN).astype(int)
     number = np.bincount(place, counts[hot])
     size = np.exp(BIN * np.arange(number.size))  # of the bins
     tail = np.median(np.hstack(_beside(number)), axis=1)
     # a smooth tail falls: more pixels a DN than farther in are a peak
     rest = np.maximum(tail, size * np.median(_beside(number / size)[0], axis=1))
     excess = number - tail
-    beyond = number - rest > STANDS_OUT * np.sqrt(rest + 1.0 + (UNLIKE * rest) ** 2)
+    beyond = number - rest > CLEAR * np.sqrt(rest + 1.0 + (UNLIKE * rest) ** 2)
     runs, count = label(beyond)
     width = np.gradient(centres)[hot]
     found = []

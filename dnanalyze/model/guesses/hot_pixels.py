@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.hot_pixels import HotPixels
@@ -36,7 +35,7 @@ def _narrow(effect: type[HotPixels], clues: Clues) -> list[Effect]:
         "ea_ev": fitted[1],
         "width": float(np.median([peak.width for peak in known])),
     }
-    return [effect(**clip(effect, **numbers), law="narrow")]
+    return [effect.within(**numbers, law="narrow")]
 
 
 def _spread(effect: type[HotPixels], clues: Clues) -> list[Effect]:

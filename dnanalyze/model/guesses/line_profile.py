@@ -34,8 +34,8 @@ def strip_profile(clues: Clues) -> np.ndarray:
     seen = []
     for setting in range(len(clues.points)):
         blocks = curve(clues, "block_means", setting)
-        told = blocks is not None and blocks.ndim == 2 and np.isfinite(blocks).all()
-        seen.append(blocks.mean(axis=0) - blocks.mean() if told else np.empty(0))  # type: ignore[union-attr]
+        usable = blocks is not None and blocks.ndim == 2 and np.isfinite(blocks).all()
+        seen.append(blocks.mean(axis=0) - blocks.mean() if usable else np.empty(0))  # type: ignore[union-attr]
     return _quiet_mean(clues, seen)
 
 

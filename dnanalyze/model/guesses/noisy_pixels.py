@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.noisy_pixels import NoisyPixels
@@ -26,12 +25,12 @@ def guess(effect: type[NoisyPixels], clues: Clues) -> list[Effect]:
     names = [f"temporal_variance_q{p:g}" for p in LEVELS]
     if not shows(clues, (*names, "temporal_kurtosis", "blink_repeat"), 0):
         return []
-    noise = np.asarray(clues.measured("temporal_noise"), float)
+    noise = clues.measured("temporal_noise")
     if not (np.isfinite(noise) & (noise > 0)).any():
         return []
     quiet = quietest(noise)
-    seen = np.array([np.asarray(clues.measured(n), float)[quiet] for n in names])
-    repeat = float(np.asarray(clues.measured("blink_repeat"), float)[quiet])
+    seen = np.array([clues.measured(n)[quiet] for n in names])
+    repeat = float(clues.measured("blink_repeat")[quiet])
     means = curve(clues, "frame_means", quiet)
     if not (np.isfinite(seen).all() and (seen > 0).all()) or means is None or repeat < REPEATS:
         return []
@@ -46,7 +45,7 @@ def guess(effect: type[NoisyPixels], clues: Clues) -> list[Effect]:
     for _, fraction, ratio in sorted(best)[:2]:
         usual = noise[quiet] ** 2 / (1.0 + fraction * (ratio - 1.0))
         sigma = math.sqrt((ratio - 1.0) * usual) / hints.gains(clues)[quiet]
-        guesses.append(effect(**clip(effect, fraction=fraction, sigma=sigma)))
+        guesses.append(effect.within(fraction=fraction, sigma=sigma))
     return guesses
 
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.offset_gradient import OffsetGradient
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.surfaces import LEAST_TERM, over_frame, shading, surfaces
+from dnanalyze.model.guesses.surfaces import over_frame, shading, surfaces
 from dnanalyze.model.surface import TERMS
+from dnanalyze.significance import NOTICEABLE
 
 
 def guess(effect: type[OffsetGradient], clues: Clues) -> list[Effect]:
@@ -29,9 +27,8 @@ def guess(effect: type[OffsetGradient], clues: Clues) -> list[Effect]:
     floor = max(float(errors[known].max()) * 1e-6, 1e-12)
     weight = (gains[known] / np.maximum(errors[known], floor)) ** 2
     mean = weight @ (raw[known] / gains[known, None]) / weight.sum()
-    told = np.abs(mean) >= LEAST_TERM / np.sqrt(weight.sum())
-    if not told.any():
+    significant = np.abs(mean) >= NOTICEABLE / np.sqrt(weight.sum())
+    if not significant.any():
         return []
-    terms = over_frame(told * mean, clues)
-    values: dict[str, Any] = clip(effect, **dict(zip(TERMS, terms, strict=True)))
-    return [effect(**values)]
+    terms = over_frame(significant * mean, clues)
+    return [effect.within(**dict(zip(TERMS, terms, strict=True)))]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.bounds import bounded
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.persistence import Persistence
@@ -23,11 +22,7 @@ def guess(effect: type[Persistence], clues: Clues) -> list[Effect]:
     seconds = [1.0 if p.exposure_s is None else p.exposure_s for p in clues.points]
     step = float(np.median(seconds)) or 1.0
     return [
-        effect(
-            bounded(effect, "amplitude", share * np.exp(1 / frames)),
-            bounded(effect, "tau_s", frames * step),
-            before,
-        )
+        effect.within(amplitude=share * np.exp(1 / frames), tau_s=frames * step, before=before)
         for frames in (1.0, 8.0)
         for before in ("running", "empty")
     ]

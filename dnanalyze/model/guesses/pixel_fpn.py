@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
@@ -18,17 +17,8 @@ def guess(effect: type[PixelFpn], clues: Clues) -> list[Effect]:
     high = tuple(n for n in effect.fingerprint if n not in low)
     if not (shows(clues, high) or shows(clues, low, -1)):
         return []
-    gain = hints.gains(clues)
     name = "pattern_noise_core"
     if not np.isfinite(clues.measured(name)).any():
         name = "frame_noise_core"
-    lost = hints.unexplained_variance(clues, name) / gain**2
-    total = np.asarray(clues.measured(name), float) / gain
-    good = lost[np.isfinite(lost) & (lost > 0)]
-    if good.size:
-        sigma = float(np.sqrt(np.median(good)))
-    elif np.isfinite(total).any():
-        sigma = 0.7 * float(np.nanmin(total))
-    else:
-        return []
-    return [effect(**clip(effect, sigma=sigma))]
+    sigma = hints.unexplained_sigma(clues, name)
+    return [] if sigma is None else [effect.within(sigma=sigma)]

@@ -7,7 +7,7 @@ import numpy as np
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.quantization import Quantization
-from dnanalyze.model.guesses.evidence import curve, shows
+from dnanalyze.model.guesses.evidence import histogram, shows
 
 
 def guess(effect: type[Quantization], clues: Clues) -> list[Effect]:
@@ -16,12 +16,9 @@ def guess(effect: type[Quantization], clues: Clues) -> list[Effect]:
         return []
     top, step = 0, 0
     for setting in range(len(clues.points)):
-        codes = curve(clues, "histogram_codes", setting)
-        counts = curve(clues, "histogram_counts", setting)
-        if codes is None or counts is None:
-            continue
-        seen = codes[counts > 0]
-        if not np.all(seen == np.rint(seen)):
+        found = histogram(clues, "histogram", setting)
+        seen = np.empty(0) if found is None else found[0][found[1] > 0]
+        if not seen.size or not np.all(seen == np.rint(seen)):
             continue
         top = max(top, int(seen.max()))
         step = int(np.gcd.reduce(np.r_[step, seen.astype(np.int64)]))

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.read_noise import ReadNoise
@@ -16,14 +13,5 @@ def guess(effect: type[ReadNoise], clues: Clues) -> list[Effect]:
     """From the unexplained temporal variance of the least noisy settings."""
     if not shows(clues, effect.fingerprint):
         return []
-    gain = hints.gains(clues)
-    lost = hints.unexplained_variance(clues, "temporal_noise_core") / gain**2
-    total = np.asarray(clues.measured("temporal_noise_core"), float) / gain
-    good = lost[np.isfinite(lost) & (lost > 0)]
-    if good.size:
-        sigma = float(np.sqrt(np.median(good)))
-    elif np.isfinite(total).any():
-        sigma = 0.7 * float(np.nanmin(total))
-    else:
-        return []
-    return [effect(**clip(effect, sigma=sigma))]
+    sigma = hints.unexplained_sigma(clues, "temporal_noise_core")
+    return [] if sigma is None else [effect.within(sigma=sigma)]

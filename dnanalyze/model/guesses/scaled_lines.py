@@ -11,12 +11,10 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.scaled_lines import ScaledLines
 from dnanalyze.model.guesses import hints
 
-GROWS = 0.5  # share of a line's offset at the highest level that must come with the level
-
 
 def guess(effect: type[ScaledLines], clues: Clues) -> list[Effect]:
     """The lines whose offset grows with the level, and its growth over that of the level."""
-    level = np.asarray(clues.measured("mean"), float) / hints.gains(clues)
+    level = clues.measured("mean") / hints.gains(clues)
     if np.isfinite(level).sum() < 2:
         return []
     low, high = int(np.nanargmin(level)), int(np.nanargmax(level))
@@ -32,7 +30,8 @@ def guess(effect: type[ScaledLines], clues: Clues) -> list[Effect]:
         cold, warm = cold / gains[low], warm / gains[high]
         far, shares = standing_out((warm - cold) / rise)
         offsets = against_neighbours(warm)[far]
-        grown = np.abs(shares) * rise > GROWS * np.abs(offsets)
+        # most of an offset at the highest level must come with the level
+        grown = np.abs(shares) * rise > 0.5 * np.abs(offsets)
         far, shares = far[grown], np.maximum(shares[grown], -1.0)
         if not np.any(shares):
             continue

@@ -14,7 +14,6 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.guesses.evidence import curve
 from dnanalyze.model.surface import TERMS, legendre
 
-LEAST_TERM = 4.0  # standard errors of a coefficient
 LEAST_SHADING = 3.5  # standard deviations; shading has one realization, so that no half can deny it
 
 

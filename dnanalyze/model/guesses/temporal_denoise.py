@@ -22,12 +22,12 @@ def guess(effect: type[TemporalDenoise], clues: Clues) -> list[Effect]:
     """
     if not shows(clues, ["temporal_r1"]):
         return []
-    r1 = np.asarray(clues.measured("temporal_r1"), float)
+    r1 = clues.measured("temporal_r1")
     means = [curve(clues, "frame_means", i) for i in range(len(clues.points))]
     frames = max((m.size for m in means if m is not None), default=8)
     kept = max(0.35, 1.0 - 3.0 / frames)
     share = bounded(effect, "share", typical_positive(r1) / kept)
-    noise = np.asarray(clues.measured("temporal_noise"), float)
+    noise = clues.measured("temporal_noise")
     # rounding after the filter is new in every frame: it hides least where noise is most
     most = int(np.argmax(np.where(np.isfinite(r1), np.nan_to_num(noise), 0.0)))
     less = 1.0 - min(ROUNDING_VARIANCE / max(noise[most], 1e-9) ** 2, 0.5)

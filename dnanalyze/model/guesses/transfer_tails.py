@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from dnanalyze.model.bounds import clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.transfer_tails import TransferTails
@@ -25,7 +24,7 @@ def guess(effect: type[TransferTails], clues: Clues) -> list[Effect]:
     along = {"right": "temporal_corr_10", "down": "temporal_corr_01"}
     if not shows(clues, along.values()):
         return []
-    noise = np.asarray(clues.measured("temporal_noise"), float)
+    noise = clues.measured("temporal_noise")
     seen = {side: excess(clues, name) for side, name in along.items()}
     if not np.isfinite(noise).any():
         return []
@@ -38,7 +37,7 @@ def guess(effect: type[TransferTails], clues: Clues) -> list[Effect]:
         return []
     share = rho[side] / charge
     return [
-        effect(**clip(effect, loss=share / (1.0 - math.exp(-1.0 / tau)), tau=tau), towards=side)
+        effect.within(loss=share / (1.0 - math.exp(-1.0 / tau)), tau=tau, towards=side)
         for tau in LENGTHS
         if share / (1.0 - math.exp(-1.0 / tau)) < 1.0
     ]

@@ -9,7 +9,6 @@ import pandas as pd
 from dnanalyze.analyzers.families.trends import law_doubts
 from dnanalyze.classifier.result import Classification
 from dnanalyze.comparator.compare import Comparison
-from dnanalyze.comparator.rivals import Rivals
 from dnanalyze.report import words
 from dnanalyze.report.documents import Document, coverage, level
 from dnanalyze.report.figures import heatmap
@@ -21,6 +20,7 @@ from dnanalyze.report.page import Page, Section, Table, page_of, tone_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.results import classification
 from dnanalyze.report.results.statistics import missing_section
+from dnanalyze.report.rivals import Rivals
 from dnanalyze.report.sections.front import front, model_layers
 from dnanalyze.report.sections.model import model_section
 from dnanalyze.report.sections.panels import family_panels, largest

@@ -109,7 +109,7 @@ def _tests(findings: Sequence[Finding], folded: bool = False) -> Table:
 
 def _ranked(result: Detection) -> Section:
     """The tests in the terminal, flagged ones first; below them why others do not count."""
-    from dnanalyze.detection.reasons import NOT_SIGNIFICANT
+    from dnanalyze.detection.verdict import NOT_SIGNIFICANT
 
     ranked = sorted(
         result.findings, key=lambda f: (not f.flagged, f.p_value if f.p_value is not None else 2)

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 import pandas as pd
 
 from dnanalyze.comparator.compare import Comparison
-from dnanalyze.comparator.rivals import Rivals
 from dnanalyze.diagnosis.results import Candidate, Diagnosis, Refinement
 from dnanalyze.report.documents import Document, coverage, direct, fields_of, level
 from dnanalyze.report.figures.candidates import candidates
@@ -16,6 +15,7 @@ from dnanalyze.report.leads import diagnose_lead
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.results import comparison as compare
+from dnanalyze.report.rivals import Rivals
 from dnanalyze.report.sections.front import candidate_layers, front, labels_of
 from dnanalyze.report.sections.model import model_section
 from dnanalyze.report.statistic_rows import named

@@ -9,7 +9,6 @@ import pandas as pd
 
 from dnanalyze.channels.refinement import ChannelRefinement
 from dnanalyze.comparator.compare import Comparison
-from dnanalyze.comparator.rivals import Rivals
 from dnanalyze.diagnosis.results import Refinement, Step
 from dnanalyze.fitting.fit import Parameter
 from dnanalyze.report import words
@@ -23,6 +22,7 @@ from dnanalyze.report.plain import document as made
 from dnanalyze.report.refinement_stages import Stage, stages
 from dnanalyze.report.results import classification, diagnosis
 from dnanalyze.report.results import comparison as compare
+from dnanalyze.report.rivals import Rivals
 from dnanalyze.report.sections.front import front, labels_of, model_layers
 from dnanalyze.report.sections.model import (
     direct_section,
@@ -107,7 +107,7 @@ def evidence(steps: Sequence[Step]) -> list[str]:
 def page(result: Refinement) -> Page:
     """The report: the final model compared with the captures, and the step before it."""
     from dnanalyze.comparator.compare import compared, paper_model
-    from dnanalyze.comparator.rivals import of_steps
+    from dnanalyze.report.rivals import of_steps
 
     paper = paper_model(result.problem, result.steps[0].model, in_time=not result.timed_out)
     comparison = compared(result.captures, result.problem, result.model, paper)

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.classifier.result import Classification
 from dnanalyze.comparator.compare import Comparison
-from dnanalyze.comparator.rivals import Rivals
 from dnanalyze.diagnosis.results import Diagnosis, Refinement
 from dnanalyze.emva import kinds
 from dnanalyze.emva.quantity import Kind, PointQuantities, Quantity
@@ -21,6 +20,7 @@ from dnanalyze.report.figures.style import ACCENT, GAUSSIAN, MODEL, Layer, chose
 from dnanalyze.report.figures.wang_2025 import figure_1, figure_2
 from dnanalyze.report.leads import plain_name
 from dnanalyze.report.page import Section, Table
+from dnanalyze.report.rivals import Rivals
 from dnanalyze.report.words import DIRECT, direct_rows
 
 SIDE_BY_SIDE = 5  # operating points shown side by side

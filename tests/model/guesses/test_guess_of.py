@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.row_noise import RowNoise
-from dnanalyze.model.guesses import guess_of, row_noise
+from dnanalyze.model.guesses import guess_of, white_lines
 from dnanalyze.model.registry import built_in
 
 
@@ -23,7 +23,7 @@ def test_an_effect_derived_from_one_of_the_catalogue_is_guessed_like_it():
     class Own(RowNoise):
         name: ClassVar[str] = "own"
 
-    assert guess_of(Own) is row_noise.guess
+    assert guess_of(Own) is white_lines.guess
 
 
 def test_a_guess_of_its_own_comes_first():

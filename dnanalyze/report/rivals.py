@@ -8,11 +8,10 @@ from typing import Any
 
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.comparator.compare import table
+from dnanalyze.diagnosis.filter_tests import FILTERS
 from dnanalyze.diagnosis.results import Diagnosis, Step
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.model.noise_model import NoiseModel
-
-FILTERS = ("dpc", "denoise", "temporal_denoise")  # processing of the frames, no noise of a sensor
 
 
 @dataclass(frozen=True)

@@ -31,18 +31,18 @@ TYPES: dict[str, Any] = {
 }  # fmt: skip
 
 
-def held(captures: CaptureSet) -> cache.Entry | None:
+def entry_of(captures: CaptureSet) -> cache.Entry | None:
     """The entry of these captures' evidence; None where none can be kept."""
     return cache.held(captures, "detect", cache.code(Path(__file__).parent))
 
 
-def get(entry: cache.Entry) -> list[ViewEvidence] | None:
-    """The evidence that was put; None for none."""
+def read(entry: cache.Entry) -> list[ViewEvidence] | None:
+    """The evidence that was stored; None where there is none."""
     return entry.read(lambda plain, arrays: [_made(item, arrays) for item in plain])
 
 
-def put(entry: cache.Entry, evidence: list[ViewEvidence]) -> None:
-    """Keep it."""
+def write(entry: cache.Entry, evidence: list[ViewEvidence]) -> None:
+    """Store the evidence."""
     arrays: dict[str, np.ndarray] = {}
     entry.write([_plain(item, arrays) for item in evidence], arrays)
 
