@@ -48,7 +48,7 @@ class CheckData:
     @cached_property
     def plan(self) -> Design:
         """All settings; frames and area within the budget."""
-        return design(self.captures, BUDGET_PIXELS, most_settings=None)
+        return design(self.captures, BUDGET_PIXELS, len(self.captures.settings), pool=False)
 
     @property
     def windows(self) -> list[Window]:

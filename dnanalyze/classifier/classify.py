@@ -150,7 +150,7 @@ def _learner(network: bool) -> Learner:
 
 def _chosen(captures: CaptureSet, points: int, unit: float) -> CaptureSet:
     """Operating points far apart and their first frames, without the saturated ones."""
-    few = unsaturated(design(captures, UNLIMITED, points, unit).captures)[0]
+    few = unsaturated(design(captures, UNLIMITED, points, unit, pool=False).captures)[0]
     return replace(
         few, settings=tuple(Setting(s.point, s.frames[:MOST_FRAMES]) for s in few.settings)
     )

@@ -84,8 +84,9 @@ class Design:
 def design(
     captures: CaptureSet,
     budget: int = BUDGET_PIXELS,
-    most_settings: int | None = MOST_SETTINGS,
+    most_settings: int = MOST_SETTINGS,
     unit: float | None = None,
+    pool: bool = True,
 ) -> Design:
     """Choose settings, frames and halves within a budget of pixels.
 
@@ -94,19 +95,20 @@ def design(
     captures : CaptureSet
     budget : int
         Pixels over all frames; large captures are thinned: settings first, then frames, then area.
-    most_settings : int, optional
-        Settings kept, spread over the operating points, after those that frames do not tell apart
-        were pooled; None keeps every operating point as it is.
+    most_settings : int
+        Settings kept, spread over the operating points.
     unit : float, optional
         Value of a code in the files: that of a model, where one is given; by default as the frames
         tell it.
+    pool : bool
+        Whether operating points that frames do not tell apart are one (see `pooled`).
     """
     unit = code_unit(captures) if unit is None else unit
     captures = in_codes(captures, unit)
     pools = [(setting, 1) for setting in captures.settings]
-    if most_settings is not None:
+    if pool:
         pools = pooled(captures.settings, captures.sensor.shape)
-    chosen = _spread(tuple(setting for setting, _ in pools), most_settings or len(pools))
+    chosen = _spread(tuple(setting for setting, _ in pools), most_settings)
     members = {setting.point: count for setting, count in pools}
     rows, cols = captures.sensor.shape
     per_frame = budget / (len(chosen) * rows * cols)

@@ -48,6 +48,10 @@ def calls(monkeypatch):
     for command, (path, result) in SLOW.items():
         module, name = path.rsplit(".", 1)
         monkeypatch.setattr(import_module(module), name, stand_in(command, result))
+    compare = "dnanalyze.comparator.compare"  # what reports ask of it
+    monkeypatch.setattr(f"{compare}.paper_model", lambda *_, **__: None)
+    monkeypatch.setattr(f"{compare}.compared", lambda *_: fakes.comparison())
+    monkeypatch.setattr("dnanalyze.fitting.yardstick.by_design", lambda problem, _: problem)
     held = SimpleNamespace(helpers=HELPERS)
     monkeypatch.setattr("dnanalyze.fitting.problem.fit_problem", lambda *_: held)
     plan = SimpleNamespace(pixels=0)

@@ -90,7 +90,7 @@ def test_a_fit_sees_the_pool_and_says_so():
     assert plan.settings == [(settings[2].point, 4)]
     seen = coverage(plan)
     assert (seen.settings, seen.all_settings, seen.pooled, seen.pools) == (4, 4, 4, 1)
-    as_it_is = design(captures, most_settings=None)
+    as_it_is = design(captures, pool=False)
     assert [n for _, n in as_it_is.settings] == [1, 1, 1, 1]
 
 
