@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,12 @@ import param
 from panel.custom import JSComponent
 
 from dnanalyze.model.noise_model import model_from_plain
+from dnanalyze.report.leads import plain_name as in_words
 from dnanalyze.report.words import number, percent
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.enlarge import enlarger
+from dnanalyze.workbench.page.points import unbroken
 from dnanalyze.workbench.page.style import Palette, card, inner
 from dnanalyze.workbench.page.terms import plain_name
 
@@ -217,7 +220,8 @@ class Missing:
 def _evidence(candidate: Any) -> str:
     """Its most telling evidence, and what it is confounded with."""
     text = candidate["evidence"][0] if candidate["evidence"] else ""
-    others = ", ".join(candidate["confused_with"])
+    text = unbroken(re.sub(rf"\b{candidate['effect']}\b", in_words(candidate["effect"]), text))
+    others = ", ".join(map(in_words, candidate["confused_with"]))
     return (
         f"{text}{' · ' if text and others else ''}{f'confounded with {others}' if others else ''}"
     )

@@ -10,6 +10,7 @@ import panel as pn
 
 from dnanalyze.report.words import number
 from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.points import unbroken
 from dnanalyze.workbench.page.style import Palette, inner
 from dnanalyze.workbench.page.terms import explained, plain_name
 from dnanalyze.workbench.verdict import Verdict, verdict
@@ -84,7 +85,7 @@ class Strip:
         if what == "preview":
             return
         self._said = said = verdict(self.context.session)
-        text = f"<span class='tone {said.tone}'></span>{_printed(said.text)}"
+        text = f"<span class='tone {said.tone}'></span>{_printed(unbroken(said.text))}"
         if self.text.object != text:
             self.text.object = text
         label = _label(said)
