@@ -18,7 +18,7 @@ from dnanalyze.report.fields import Place, fields, worst_place
 from dnanalyze.report.figures.before_after import before_after
 from dnanalyze.report.figures.field_images import field_row, field_series
 from dnanalyze.report.figures.style import ACCENT, GAUSSIAN, MODEL, Layer, chosen, layers
-from dnanalyze.report.figures.wang_2025 import figure_1, figure_2
+from dnanalyze.report.figures.wang_2025 import figure_1, figure_2, figure_2_of_two
 from dnanalyze.report.leads import plain_name
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.words import DIRECT, direct_rows
@@ -93,6 +93,7 @@ def curves_sections(
     place: Place | None,
     simulated: Statistics | None = None,
     raw: Statistics | None = None,
+    beside: Layer | None = None,
 ) -> list[Section]:
     """Figures 1 and 2 of the paper for this sensor.
 
@@ -104,19 +105,20 @@ def curves_sections(
         Of Figure 1.
     simulated, raw : Statistics, optional
         Of the model, and of the model without its filters, for Figure 2.
+    beside : Layer, optional
+        Other frames of the sensor, such as processed ones, drawn beside the measured.
     """
     setting = _setting(drawn[0].statistics, place)
     if setting is None:
         return []
     before = None if raw is None else Layer("model without its filters", raw, MODEL)
     second = [drawn[0], *layers(drawn[0].statistics, simulated)[1:]]
+    first, spectra = drawn, figure_2(second, before)
+    if beside is not None:
+        first, spectra = [*drawn, beside], figure_2_of_two(drawn[0], beside)
     return [
-        Section("figure-1", "Histogram and spectra", pictures=[figure_1(drawn, setting)]),
-        Section(
-            "figure-2",
-            "Spectra over all operating points",
-            pictures=[figure_2(second, before)],
-        ),
+        Section("figure-1", "Histogram and spectra", pictures=[figure_1(first, setting)]),
+        Section("figure-2", "Spectra over all operating points", pictures=[spectra]),
     ]
 
 
