@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import re
-import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,10 +15,6 @@ from page_driver import PATIENCE_S, Workbench, served
 from small_sensor import write_sensor
 
 pytest.importorskip("panel", reason="the extra workbench is not installed")
-api = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-if CHROMIUM is None:
-    pytest.skip("no Chromium on this machine", allow_module_level=True)
 
 RAISING = """
 from dataclasses import dataclass
@@ -36,24 +31,12 @@ class Raising(Effect):
             raise ValueError("above 1.5 DN")
         return signal
 """
-FLAGS = [
-    "--no-sandbox", "--disable-gpu", "--disable-quic", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync",
-]  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def series(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A sensor of five temperatures, so that parameters share a plot on the page."""
     return write_sensor(tmp_path_factory.mktemp("page") / "sensor", every=1)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with api.sync_playwright() as play:
-        made = play.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        yield made
-        made.close()
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +79,23 @@ def test_what_changes_together_is_laid_out_once(bench):
         return count;
     }"""
     assert bench.page.evaluate(count) == 1
+
+
+@pytest.mark.parametrize(
+    ("side", "source", "column"),
+    [("spectrum", "spectrum of measured", "x"), ("all spectra", "all spectra of measured", "xs"),
+     ("histogram", "histogram of measured", "x")],
+)  # fmt: skip
+def test_each_figure_beside_the_images_is_drawn_when_it_is_chosen(bench, side, source, column):
+    bench.settled()
+    bench.click(side)
+    script = f"""() => {{
+        const found = Bokeh.documents.map((d) => d.get_model_by_name("{source}")).find((m) => m);
+        return found.data.{column}.length;
+    }}"""
+    bench.until(lambda: bench.page.evaluate(script) > 3, f"the curves of {side}")
+    canvas = bench.page.locator(".side .bk-Figure").filter(visible=True)
+    bench.until(lambda: canvas.count() and canvas.first.bounding_box()["height"] > 60, "a plot")
 
 
 def _drawn(bench: Workbench) -> dict[str, Any]:
@@ -307,6 +307,17 @@ def test_a_slider_ends_before_its_number(bench):
         slider = row.locator(".noUi-target").bounding_box()
         number = row.locator("input[type=text]").bounding_box()
         assert slider["x"] + slider["width"] <= number["x"]
+
+
+def test_every_class_of_bokeh_that_the_style_sheets_name_is_on_the_page(bench):
+    """It is Bokeh's own, and another version may name it otherwise."""
+    from dnanalyze.workbench.page.downloads import SMALL
+    from dnanalyze.workbench.page.style import LIGHT, inner
+
+    named = set(re.findall(r"\.((?:bk|noUi)-[\w-]+)", inner(LIGHT) + SMALL))
+    assert {"bk-btn", "bk-input", "noUi-handle"} < named
+    assert [name for name in sorted(named) if not bench.page.locator(f".{name}").count()] == []
+    assert _box(bench, ".noUi-handle")[2:] == (14, 14)
 
 
 def test_a_question_mark_opens_the_sentence_of_the_glossary(bench):
@@ -577,25 +588,3 @@ def test_another_host_shows_its_page_for_its_token_alone(browser, folder):
         page.goto(f"{bare}?token={token}")
         page.get_by_text("Where it fails").wait_for()
     page.close()
-
-
-@pytest.mark.parametrize(
-    "ends", [(0.0188, 0.566), (0.31, 0.42), (0.4001, 0.4002), (80, 1500), (3e-7, 0.2), (2, 9e7)]
-)
-def test_labels_of_a_logarithmic_axis_are_the_values_of_its_ticks(browser, ends):
-    from dnanalyze.workbench.page.log_axis import LABEL, TICKS
-
-    run = """([ticks, label, start, end]) => new Function("cb_data", ticks)({start, end})
-      .map((t) => [t, new Function("tick", label)(t)])"""
-    page = browser.new_page()
-    found = page.evaluate(run, [TICKS, LABEL, *ends])
-    between = page.evaluate(run, [TICKS, LABEL, -0.5, 4.5])
-    page.close()
-    assert between == []  # of a range of the axis before, as that changes
-    assert 2 <= len(found) <= 9
-    plain = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
-    for tick, label in found:
-        power = re.fullmatch("(?:([0-9.]+)·)?10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", label)
-        said = float(label if power is None else f"{power[1] or 1}e{power[2].translate(plain)}")
-        assert ends[0] <= tick <= ends[1]
-        assert said == pytest.approx(tick, rel=1e-6)

@@ -19,7 +19,7 @@ from dnanalyze.report.figures.before_after import before_after
 from dnanalyze.report.figures.field_images import field_row, field_series
 from dnanalyze.report.figures.style import ACCENT, GAUSSIAN, MODEL, Layer, chosen, layers
 from dnanalyze.report.figures.wang_2025 import figure_1, figure_2, figure_2_of_two
-from dnanalyze.report.leads import plain_name
+from dnanalyze.report.leads import lacks, plain_name
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.words import DIRECT, direct_rows
 
@@ -175,10 +175,16 @@ def candidate_layers(comparison: Comparison, rivals: Rivals) -> list[Layer]:
 
 
 def place_of(comparison: Comparison | None, rivals: Rivals) -> Place | None:
-    """Where the named effect lowers the error most; without one, where the model fails most."""
+    """Where the named effect lowers the error most, or where what the model lacks is plainest.
+
+    Without either, where the model fails most.
+    """
     if rivals.before is not None:
         return worst_place(rivals.before.rows, () if rivals.after is None else rivals.after.rows)
-    return None if comparison is None else worst_place(comparison.statistics)
+    if comparison is None:
+        return None
+    lacking = lacks(comparison)
+    return worst_place(comparison.statistics) if lacking is None else lacking.place
 
 
 def numbers_section(measured: Statistics, part: str = "") -> list[Section]:
@@ -231,7 +237,8 @@ def direct_front(result: Comparison | Diagnosis | Refinement) -> list[Section]:
     if not every:
         return []
     off = sum(not a.kept for a in every)
-    text = f"{len(every) - off} of {len(every)} quantities agree within 3 σ or 10 %."
+    agree = "quantity agrees" if len(every) == 1 else "quantities agree"
+    text = f"{len(every) - off} of {len(every)} {agree} within 3 σ or 10 %."
     order = sorted(range(len(every)), key=lambda n: (every[n].kept, -abs(every[n].sigma)))
     rows = [direct_rows(result)[n] for n in order[:DIRECT_ROWS]]
     return [
