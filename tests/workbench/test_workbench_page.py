@@ -317,7 +317,7 @@ def test_every_class_of_bokeh_that_the_style_sheets_name_is_on_the_page(bench):
     named = set(re.findall(r"\.((?:bk|noUi)-[\w-]+)", inner(LIGHT) + SMALL))
     assert {"bk-btn", "bk-input", "noUi-handle"} < named
     assert [name for name in sorted(named) if not bench.page.locator(f".{name}").count()] == []
-    assert _box(bench, ".noUi-handle")[2:] == (14, 14)
+    assert _box(bench, ".parameter .noUi-handle")[2:] == (14, 14)
 
 
 def test_a_question_mark_opens_the_sentence_of_the_glossary(bench):

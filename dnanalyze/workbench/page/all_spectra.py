@@ -11,13 +11,14 @@ from matplotlib.colors import LinearSegmentedColormap, to_hex
 
 from dnanalyze.analyzers.statistics import Statistics
 from dnanalyze.comparator.rivals import FILTERS
+from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.figures.spectrum import names_of
 from dnanalyze.report.figures.style import chosen, has, labels
 from dnanalyze.report.figures.wang_2025 import MAX_POINTS, WARMTH
 from dnanalyze.workbench import curves
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.evaluation import Evaluation
-from dnanalyze.workbench.frames import Kind
+from dnanalyze.workbench.frames import Kind, View
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.figure import layers
@@ -77,13 +78,13 @@ class AllSpectra:
         self.drawn = pn.pane.Bokeh(made, sizing_mode="stretch_both", margin=0, visible=False)
         self.view = pn.Column(
             self.title, self.drawn, sizing_mode="stretch_both", margin=0,
-            styles={"min-height": "0"}, visible=False,
+            styles={"min-height": "0"},
         )  # fmt: skip
         context.listeners.append(self.update)
 
-    def chosen(self, kind: Kind) -> None:
+    def chosen(self, view: View, point: OperatingPoint) -> None:
         """Draw the spectra of another kind of image."""
-        self._kind = kind
+        self._kind = view.kind
         self.draw()
 
     def update(self, what: str) -> None:

@@ -10,7 +10,7 @@ import panel as pn
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.workbench import curves
 from dnanalyze.workbench.curves import Address
-from dnanalyze.workbench.frames import Kind
+from dnanalyze.workbench.frames import Kind, View
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.figure import curves_of, layers
 from dnanalyze.workbench.page.plot import CurvePlot
@@ -59,9 +59,9 @@ class PointFigure:
         )  # fmt: skip
         context.listeners.append(self.update)
 
-    def chosen(self, point: OperatingPoint, plane: str, kind: Kind) -> None:
+    def chosen(self, view: View, point: OperatingPoint) -> None:
         """Draw another operating point, colour plane or kind of image."""
-        self._place = point, plane.rstrip("0123456789"), kind
+        self._place = point, view.plane.rstrip("0123456789"), view.kind
         self.draw()
 
     def update(self, what: str) -> None:
@@ -70,11 +70,9 @@ class PointFigure:
             self.draw()
 
     def draw(self) -> None:
-        """Draw the curves where the pane is seen, and once before: a browser leaves out a plot that
-        is shown for the first time together with what it is in.
-        """
+        """Draw the curves, where the pane is seen."""
         session = self.context.session
-        if self._place is None or (self.drawn.visible and not self.view.visible):
+        if self._place is None or not self.view.visible:
             return
         point, plane, kind = self._place
         if session.problem is None:
