@@ -13,6 +13,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.words import point_label
 
 BINS = 120  # of a histogram
+REACH = 25.0  # robust standard deviations from the median to its ends at most
 PARTS = "pattern", "temporal", "frame"
 Change = tuple[Statistics, Statistics]  # of a window, before and after
 FEWEST_MODES = 12  # in a drawn point of a spectrum: power scatters as 1 / sqrt(modes)
@@ -368,7 +369,11 @@ def _pooled(f: np.ndarray, modes: np.ndarray, ratio: float, fewest: int) -> np.n
 
 
 def _histogram(here: SettingStatistics, reference: SettingStatistics) -> Curve | None:
-    """Density of the values in bins of whole codes, the same for all curves of a figure."""
+    """Density of the values in bins of whole codes, the same for all curves of a figure.
+
+    A few hot pixels do not make the bins wider: what is farther than ``REACH`` robust standard
+    deviations from the median is left to the figure of the hot-pixel tail.
+    """
     names = "histogram_codes", "histogram_counts"
     if any(n not in s.curves or len(s.curves[n]) < 2 for n in names for s in (here, reference)):
         return None
@@ -376,6 +381,9 @@ def _histogram(here: SettingStatistics, reference: SettingStatistics) -> Curve |
     share = np.cumsum(counts) / counts.sum()
     low, high = codes[np.searchsorted(share, 2e-5)], codes[np.searchsorted(share, 1 - 2e-5) - 1]
     step = float(np.median(np.diff(codes)))
+    left, middle, right = (codes[np.searchsorted(share, q)] for q in (0.16, 0.5, 0.84))
+    reach = REACH * max(step, float(right - left) / 2)
+    low, high = max(low, middle - reach), min(high, middle + reach)
     width = step * max(1, round((high - low) / BINS / step))
     edges = np.arange(low - width - step / 2, high + 2 * width, width)
     found, weights = (here.curves[n] for n in names)
