@@ -11,7 +11,7 @@ from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.words import point_label, varied
 
-BLACK_LEVEL = "black level"  # of the model itself
+NAMES = {"": "black level", "ea_ev": "activation energy", "dn_per_e": "DN per electron"}
 
 
 @dataclass
@@ -87,7 +87,8 @@ def parameter_of(parameter: FreeParameter) -> str:
 
 def slider_name(parameter: FreeParameter) -> str:
     """A parameter in words, without its operating point."""
-    return (parameter.parameter or BLACK_LEVEL).replace("_", " ")
+    name = parameter.parameter
+    return NAMES.get(name, name.replace("_", " "))
 
 
 def _label(model: NoiseModel, parameter: FreeParameter) -> str:
