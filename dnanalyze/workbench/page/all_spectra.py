@@ -75,9 +75,9 @@ class AllSpectra:
             glyph_width=12,
         )  # fmt: skip
         made.add_layout(legend, "above")
-        self.drawn = pn.pane.Bokeh(made, sizing_mode="stretch_both", margin=0, visible=False)
         self.view = pn.Column(
-            self.title, self.drawn, sizing_mode="stretch_both", margin=0,
+            self.title, pn.pane.Bokeh(made, sizing_mode="stretch_both", margin=0),
+            sizing_mode="stretch_both", margin=0,
             styles={"min-height": "0"},
         )  # fmt: skip
         context.listeners.append(self.update)
@@ -129,7 +129,6 @@ class AllSpectra:
         text = f"<b>Radial spectra of {OF[kind]}</b> <span class=quiet>{lines}</span>"
         if self.title.object != text:
             self.title.object = text
-        self.drawn.visible = True
 
     def _take_filters_out(self) -> None:
         """Ask for the present model without its filters, where it has any."""

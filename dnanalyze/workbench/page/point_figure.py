@@ -21,29 +21,34 @@ PART: dict[Kind, str] = {"frame": "frame", "mean": "pattern", "temporal noise": 
 OF: dict[Kind, str] = {
     "frame": "a single frame", "mean": "the DSNU", "temporal noise": "the temporal noise"
 }  # fmt: skip
-Named = Callable[[Kind], str]
-Addressed = Callable[[Kind, OperatingPoint, str], Address]
+
+
+def _histogram(_: Kind, point: OperatingPoint, plane: str) -> Address:
+    return Address("frame_skewness", point, plane)
+
+
+def _spectrum(kind: Kind, point: OperatingPoint, plane: str) -> Address:
+    return curves.whole_spectrum(PART[kind], point, plane)
+
+
+CURVES: dict[str, Callable[[Kind, OperatingPoint, str], Address]] = {
+    "histogram": _histogram, "spectrum": _spectrum
+}  # fmt: skip
 
 
 class PointFigure:
-    """The pane.
+    """The pane: one plot, of the histogram or of the radial spectrum.
 
     Parameters
     ----------
     context : Context
-    name : str
-        Of the plot.
-    address : callable
-        The curve at an operating point and colour plane, for a kind of image.
-    title : callable
-        What the curve is, for a kind of image.
     """
 
-    def __init__(self, context: Context, name: str, address: Addressed, title: Named) -> None:
-        self.context, self.name = context, name
-        self._address, self._title = address, title
+    def __init__(self, context: Context) -> None:
+        self.context = context
+        self._which = next(iter(CURVES))
         self._place: tuple[OperatingPoint, str, Kind] | None = None
-        self.plot = CurvePlot(context.palette, name)
+        self.plot = CurvePlot(context.palette, "beside")
         self.title = pn.pane.HTML(
             "", stylesheets=[inner(context.palette)], margin=(2, 0, 0, 0),
             sizing_mode="stretch_width",
@@ -64,6 +69,11 @@ class PointFigure:
         self._place = point, view.plane.rstrip("0123456789"), view.kind
         self.draw()
 
+    def show(self, which: str) -> None:
+        """Draw the histogram or the spectrum."""
+        self._which = which
+        self.draw()
+
     def update(self, what: str) -> None:
         """Draw what has changed."""
         if what in ("evaluation", "preview", "candidate"):
@@ -77,7 +87,7 @@ class PointFigure:
         point, plane, kind = self._place
         if session.problem is None:
             where = html.escape(unbroken(labelled(point, plane)))
-            self.title.object = f"<span class=loading>{self.name} at {where} …</span>"
+            self.title.object = f"<span class=loading>{self._which} at {where} …</span>"
             return
         found = layers(self.context)
         measured = found["measured"][0]
@@ -86,37 +96,18 @@ class PointFigure:
             plane = planes[0]
         kinds: tuple[Kind, ...] = (kind, "frame")  # a single frame has no other kind
         for kind in kinds:
-            address = self._address(kind, point, plane)
+            address = CURVES[self._which](kind, point, plane)
             drawn = curves_of(found, address)
             if "measured" in drawn:
                 break
         where = html.escape(unbroken(labelled(point, plane)))
-        text = f"<b>{self._title(kind)}</b> <span class=quiet>{where}, half of the field</span>"
+        title = f"Radial spectrum of {OF[kind]}" if self._which == "spectrum" else "Pixel values"
+        text = f"<b>{title}</b> <span class=quiet>{where}, half of the field</span>"
         if "measured" not in drawn:
-            text = f"<span class=quiet>no {self.name} at {where}: it is not compared</span>"
+            text = f"<span class=quiet>no {self._which} at {where}: it is not compared</span>"
         if self.title.object != text:
             self.title.object = text
         axes = curves.axes(address, measured)
         assert axes is not None
         self.plot.show(axes, [], drawn, address, curves.marks(address, measured))
         self.drawn.visible = True
-
-
-def histogram(context: Context) -> PointFigure:
-    """Histogram of the pixel values on a log scale."""
-    return PointFigure(
-        context,
-        "histogram",
-        lambda _, point, plane: Address("frame_skewness", point, plane),
-        lambda _: "Pixel values",
-    )
-
-
-def spectrum(context: Context) -> PointFigure:
-    """Radial power spectrum of what the image shows."""
-    return PointFigure(
-        context,
-        "spectrum",
-        lambda kind, *place: curves.whole_spectrum(PART[kind], *place),
-        lambda kind: f"Radial spectrum of {OF[kind]}",
-    )
