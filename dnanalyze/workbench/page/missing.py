@@ -91,6 +91,7 @@ class Missing:
             ),
         ])  # fmt: skip
         context.listeners.append(self.update)
+        self._tick()  # a browser fails at a button that is disabled before it is drawn
         pn.state.add_periodic_callback(self._tick, period=TICK_MS)
 
     def _add(self) -> Any:
