@@ -60,7 +60,7 @@ class AllSpectra:
             x_axis_label="spatial frequency [cycles/pixel]", y_axis_label="power [DN²]",
         )  # fmt: skip
         for axis, grid in ((made.xaxis[0], made.xgrid[0]), (made.yaxis[0], made.ygrid[0])):
-            axis.ticker = grid.ticker = log_ticker()
+            axis.ticker = grid.ticker = log_ticker(sparse=axis is made.yaxis[0])
             axis.formatter = log_formatter()
         for name, (dash, width) in DASHES.items():
             told = {"legend_field": "label"} if name == "measured" else {}

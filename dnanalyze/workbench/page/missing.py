@@ -30,12 +30,13 @@ TICK_MS = 250  # between two readings of a task's progress
 
 
 class CandidateList(JSComponent):
-    """Rows that tell when the pointer is over them and when one is added."""
+    """Rows that tell when they are drawn, when the pointer is over them and when one is added."""
 
     rows = param.List(default=[], doc="Mappings of texts; see candidates.js.")
     busy = param.Boolean(default=False, doc="Whether a task is under way.")
     hovered = param.String(default="")
     added = param.Event(default=False)
+    drawn = param.Boolean(default=False, doc="Whether the browser has drawn them, and the pane.")
     effect = ""
 
     _esm = Path(__file__).with_name("candidates.js").read_text(encoding="utf-8")
@@ -43,7 +44,9 @@ class CandidateList(JSComponent):
     def _handle_msg(self, message: Any) -> None:
         if not isinstance(message, dict):
             return
-        if "hover" in message:
+        if "drawn" in message:
+            self.drawn = True
+        elif "hover" in message:
             self.hovered = str(message["hover"])
         elif "add" in message:
             self.effect = str(message["add"])
@@ -91,7 +94,7 @@ class Missing:
             ),
         ])  # fmt: skip
         context.listeners.append(self.update)
-        self._tick()  # a browser fails at a button that is disabled before it is drawn
+        self._enable()
         pn.state.add_periodic_callback(self._tick, period=TICK_MS)
 
     def _add(self) -> Any:
@@ -114,6 +117,10 @@ class Missing:
             self._tick()  # a message often tells the end of a task
 
     def _tick(self) -> None:
+        if self.list.drawn:  # a browser fails at a button that changes before it is drawn
+            self._enable()
+
+    def _enable(self) -> None:
         job = self.context.session.worker.job
         busy = job is not None and not job.background
         for button in (self.diagnose, self.refine, self.detect):

@@ -256,7 +256,7 @@ class _Axis:
         self._scales = {False: LinearScale(), True: LogScale()}
         self._tickers = {
             False: BasicTicker(),
-            True: log_ticker(),
+            True: log_ticker(sparse=which == "y"),
         }
         self._formatters = {
             False: BasicTickFormatter(use_scientific=False),

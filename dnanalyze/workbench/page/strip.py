@@ -16,7 +16,7 @@ from dnanalyze.workbench.page.terms import explained, plain_name
 from dnanalyze.workbench.verdict import Verdict, verdict
 
 TICK_MS = 250  # between two readings of a task's progress
-LONG = 260  # letters of a verdict from which further sentences are folded
+LONG = 340  # letters of a verdict from which further sentences are folded
 TASKS = {
     "open": "Opening",
     "fit": "Fit",
@@ -205,7 +205,7 @@ def _folded(text: str) -> tuple[str, str]:
     >>> _folded("One. " * 3)
     ('One. One. One.', '')
     >>> _folded("A sentence of forty letters, or about so. " * 9)[1].count("A sentence")
-    3
+    1
     """
     first, rest = "", ""
     for one in re.split(r"(?<=\.) (?=[^\Wa-z])", text.strip()):
@@ -255,7 +255,7 @@ def _looks(p: Palette) -> str:
 .tone.bad {{ background:{p.heat[4]}; }}
 .tone.good {{ background:{p.good}; }}
 .tone.open {{ background:{p.wang}; }}
-:host(.verdict) {{ font-size:14px; line-height:1.35; }}
+:host(.verdict) {{ font-size:14px; line-height:1.35; text-wrap:pretty; }}
 details {{ display:inline; margin-left:6px; }}
 details[open] {{ display:block; margin:2px 0 0 18px; font-size:12px; }}
 details > summary {{ display:inline; cursor:pointer; color:{p.present}; font-size:12px; }}
