@@ -11,7 +11,7 @@ from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.words import point_label, varied
 
-NAMES = {"": "black level", "ea_ev": "activation energy", "dn_per_e": "DN per electron"}
+NAMES = {"": "black level", "ea_ev": "activation energy", "dn_per_e": "gain K"}
 
 
 @dataclass
