@@ -185,14 +185,15 @@ class Reading:
     mask: Mask = None
     quiet: Quiet = False
 
-    def load(self, session: Session) -> CaptureSet:
-        """The captures of a session."""
+    def load(self, session: Session, folder: str | None = None) -> CaptureSet:
+        """The captures of a session, or those of another folder."""
         return session.load(
             self.config,
             self.tolerance_c,
             self.channel,
             keep_outliers=self.keep_outliers,
             mask=self.mask,
+            folder=folder,
         )
 
 

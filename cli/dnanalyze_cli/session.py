@@ -72,14 +72,19 @@ class Session:
         channel: str | None = None,
         keep_outliers: bool = False,
         mask: Path | None = None,
+        folder: str | None = None,
     ) -> CaptureSet:
-        """The captures, or one channel of them; what had to be assumed is said on stderr."""
+        """The captures, or those of another folder, or one channel of them.
+
+        What had to be assumed is said on stderr.
+        """
         from dnanalyze.analyzers.streaming.cache import default_folder
         from dnanalyze.loaders import load
 
-        assert self.captures is not None
+        folder = folder or self.captures
+        assert folder is not None
         found = load(
-            self.captures,
+            folder,
             config=config,
             tolerance_c=tolerance_c,
             keep_outliers=keep_outliers,
@@ -87,8 +92,8 @@ class Session:
         )
         if channel is not None:
             found, self.channel = found.channel(channel), channel
-        if self.cache and (folder := default_folder()):
-            found = found.cached(str(folder))
+        if self.cache and (kept := default_folder()):
+            found = found.cached(str(kept))
         for note in found.notes:
             self.say(f"note: {note}")
         return found

@@ -119,7 +119,9 @@ def _or_none(info: StatisticInfo, value: float, other: float) -> str:
     """A number with its unit, or that there is none."""
     if value <= max(RESOLVED_SHARE * abs(other), FEWEST if info.scale is Scale.ROOT else 0.0):
         return "none"
-    return number(value) + unit_text(info.unit)
+    text = number(value)
+    unit = unit_text(info.unit)
+    return text + (unit.removesuffix("s") if text == "1" and info.scale is Scale.ROOT else unit)
 
 
 def _amount(row: dict[str, Any]) -> str:

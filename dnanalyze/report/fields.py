@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -65,6 +66,14 @@ class Fields:
 def kind_of(name: str) -> str:
     """The kind of picture in which a statistic is seen."""
     return next((kind for start, kind in PREFIXES.items() if name.startswith(start)), MEAN)
+
+
+def side_of(shape: tuple[int, ...], most: int) -> int:
+    """Side of the blocks of an image with ``most`` cells a side at most: the least odd number.
+
+    The means of blocks of an even side hide a pattern of two rows or columns.
+    """
+    return 2 * (math.ceil(max(shape) / most) // 2) + 1
 
 
 def worst_place(rows: Rows, better: Rows = ()) -> Place | None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from dnanalyze.model.registry import BASE, BASELINE
-from dnanalyze.report.significant_structure import beyond, sentence_of
+from dnanalyze.report.significant_structure import Structure, beyond, sentence_of
 from dnanalyze.report.words import (
     SURE,
     closeness,
@@ -27,6 +27,7 @@ CAPITALS = {
     name: name.upper() for name in ("adc", "cds", "cfa", "dc", "dn", "dpc", "dsnu", "fpn", "hdr",
                                     "prnu", "rts")
 }  # fmt: skip
+ADEQUATE = 1.3  # model error below which nothing is said to be lacking
 NOTHING = "No fault is visible in these captures"
 
 
@@ -53,13 +54,20 @@ def explained(effect: str) -> str:
 def compare_lead(result: Comparison) -> str:
     """Whether the model describes the sensor, and where it fails most."""
     text = sentence(closeness(result.error))
-    if is_number(result.error) and result.error < 1.3:
+    if is_number(result.error) and result.error < ADEQUATE:
         return text
-    shown = beyond(result.measured, result.simulated)
-    if shown:
-        return f"{text} It lacks {sentence_of(shown[0], result.measured)}."
+    lacking = lacks(result)
+    if lacking is not None:
+        return f"{text} It lacks {sentence_of(lacking, result.measured)}."
     worst = next(iter(result.failures), "")
     return f"{text} {sentence(worst)}" if worst else text
+
+
+def lacks(result: Comparison) -> Structure | None:
+    """The plainest structure of the sensor that the model lacks; None where it lacks none."""
+    if is_number(result.error) and result.error < ADEQUATE:
+        return None
+    return next(iter(beyond(result.measured, result.simulated)), None)
 
 
 def diagnose_lead(found: Diagnosis) -> str:

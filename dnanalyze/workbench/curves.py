@@ -13,6 +13,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.words import point_label
 
 BINS = 120  # of a histogram
+REACH = 25.0  # robust standard deviations from the median to its ends at most
 PARTS = "pattern", "temporal", "frame"
 Change = tuple[Statistics, Statistics]  # of a window, before and after
 FEWEST_MODES = 12  # in a drawn point of a spectrum: power scatters as 1 / sqrt(modes)
@@ -60,26 +61,6 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Address:
-    """A statistic at an operating point and colour plane."""
-
-    name: str
-    point: OperatingPoint
-    plane: str = ""
-
-    @property
-    def family(self) -> str:
-        """Family of the statistic."""
-        return infos()[self.name].family
-
-
-def find(statistics: Statistics, address: Address) -> SettingStatistics | None:
-    """The statistics of an operating point and plane; None where there are none."""
-    found = (s for s in statistics.settings if (s.point, s.plane) == (address.point, address.plane))
-    return next(found, None)
-
-
-@dataclass(frozen=True)
 class Spectrum:
     """A power spectrum that shows a statistic.
 
@@ -88,8 +69,8 @@ class Spectrum:
     part : str
         One of PARTS: DSNU, temporal noise, single frame.
     axis : str
-        "radial" without the axes of the plane, "horizontal" or "vertical" along one frequency
-        without the axes, "column" or "row" of the means of whole lines.
+        "radial" without the axes of the plane, "whole" with them, "horizontal" or "vertical"
+        along one frequency without the axes, "column" or "row" of the means of whole lines.
     """
 
     part: str
@@ -102,6 +83,41 @@ class Spectrum:
                  "row": "vertical"}.get(self.axis, "spatial")  # fmt: skip
         of = {"column": " of the column means", "row": " of the row means"}.get(self.axis, "")
         return Axes(f"{along} frequency{of} [cycles/pixel]", "power [DN²]", True, True)
+
+
+@dataclass(frozen=True)
+class Address:
+    """A statistic at an operating point and colour plane.
+
+    Parameters
+    ----------
+    name : str
+    point : OperatingPoint
+    plane : str
+    spectrum : Spectrum, optional
+        In which it is shown; by default that in which it is seen best.
+    """
+
+    name: str
+    point: OperatingPoint
+    plane: str = ""
+    spectrum: Spectrum | None = None
+
+    @property
+    def family(self) -> str:
+        """Family of the statistic."""
+        return infos()[self.name].family
+
+
+def whole_spectrum(part: str, point: OperatingPoint, plane: str = "") -> Address:
+    """The radial spectrum of a part, with that of whole rows and columns, as in Wang 2025."""
+    return Address(f"{part}_psd_0_0.01", point, plane, Spectrum(part, "whole"))
+
+
+def find(statistics: Statistics, address: Address) -> SettingStatistics | None:
+    """The statistics of an operating point and plane; None where there are none."""
+    found = (s for s in statistics.settings if (s.point, s.plane) == (address.point, address.plane))
+    return next(found, None)
 
 
 def axes(address: Address, measured: Statistics) -> Axes | None:
@@ -292,6 +308,8 @@ def over_points(
 
 def _shown(address: Address, measured: Statistics) -> Spectrum:
     """The spectrum in which a statistic of the families spectrum and lines is seen."""
+    if address.spectrum is not None:
+        return address.spectrum
     first, _, rest = address.name.partition("_")
     part, rest = (first, rest) if first in PARTS else ("pattern", address.name)
     if rest.startswith("axis_line"):
@@ -315,6 +333,7 @@ def _spectrum(here: SettingStatistics, which: Spectrum) -> Curve | None:
     rows, columns = here.shape
     frequency, power, modes = {
         "radial": (f"{part}_radial_f", f"{part}_radial_s", 0),
+        "whole": (f"{part}_radial_f", f"{part}_radial_full_s", 0),
         "horizontal": ("column_spectrum_f", f"{part}_horizontal_spectrum", rows),
         "vertical": ("row_spectrum_f", f"{part}_vertical_spectrum", columns),
         "column": ("column_spectrum_f", f"{part}_column_spectrum", 1),
@@ -328,9 +347,7 @@ def _spectrum(here: SettingStatistics, which: Spectrum) -> Curve | None:
     if len(f) < 2:
         return None
     n = np.full(len(f), float(modes)) if modes else np.pi * f * np.gradient(f) * rows * columns
-    slots = _pooled(
-        f, n, (f[-1] / f[0]) ** (1 / POINTS), FEWEST_MODES if axis == "radial" else FEWEST_LINES
-    )
+    slots = _pooled(f, n, (f[-1] / f[0]) ** (1 / POINTS), FEWEST_LINES if modes else FEWEST_MODES)
     total = np.bincount(slots, n)
     f, s = (np.bincount(slots, x * n) / total for x in (f, s))
     n = total
@@ -352,7 +369,11 @@ def _pooled(f: np.ndarray, modes: np.ndarray, ratio: float, fewest: int) -> np.n
 
 
 def _histogram(here: SettingStatistics, reference: SettingStatistics) -> Curve | None:
-    """Density of the values in bins of whole codes, the same for all curves of a figure."""
+    """Density of the values in bins of whole codes, the same for all curves of a figure.
+
+    A few hot pixels do not make the bins wider: what is farther than ``REACH`` robust standard
+    deviations from the median is left to the figure of the hot-pixel tail.
+    """
     names = "histogram_codes", "histogram_counts"
     if any(n not in s.curves or len(s.curves[n]) < 2 for n in names for s in (here, reference)):
         return None
@@ -360,6 +381,9 @@ def _histogram(here: SettingStatistics, reference: SettingStatistics) -> Curve |
     share = np.cumsum(counts) / counts.sum()
     low, high = codes[np.searchsorted(share, 2e-5)], codes[np.searchsorted(share, 1 - 2e-5) - 1]
     step = float(np.median(np.diff(codes)))
+    left, middle, right = (codes[np.searchsorted(share, q)] for q in (0.16, 0.5, 0.84))
+    reach = REACH * max(step, float(right - left) / 2)
+    low, high = max(low, middle - reach), min(high, middle + reach)
     width = step * max(1, round((high - low) / BINS / step))
     edges = np.arange(low - width - step / 2, high + 2 * width, width)
     found, weights = (here.curves[n] for n in names)

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from dnanalyze.loaders.captures import CaptureSet, Window
-from dnanalyze.report.fields import over_frames
+from dnanalyze.report.fields import over_frames, side_of
 
 Kind = Literal["frame", "mean", "temporal noise"]
 KINDS: tuple[Kind, ...] = ("frame", "mean", "temporal noise")
@@ -83,13 +83,14 @@ def block_means(pixels: np.ndarray, window: Window, most: int) -> tuple[np.ndarr
     Returns
     -------
     means : ndarray
-        Mean of each block of ``side`` x ``side`` pixels; those at the lower and the right edge may
+        Mean of each block of ``side`` x ``side`` pixels, an odd number, which a pattern of period 2
+        survives; those at the lower and the right edge may
         hold fewer pixels.
     side : int
     """
     rows, columns = window.slices
     cut = pixels[rows, columns]
-    side = max(1, -(-max(cut.shape) // most))
+    side = side_of(cut.shape, most)
     return (cut, 1) if side == 1 else (_blocks(cut, side), side)
 
 

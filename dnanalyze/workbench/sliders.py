@@ -11,6 +11,8 @@ from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.words import point_label, varied
 
+NAMES = {"": "black level", "ea_ev": "activation energy", "dn_per_e": "gain K"}
+
 
 @dataclass
 class Slider:
@@ -83,9 +85,15 @@ def parameter_of(parameter: FreeParameter) -> str:
     )
 
 
+def slider_name(parameter: FreeParameter) -> str:
+    """A parameter in words, without its operating point."""
+    name = parameter.parameter
+    return NAMES.get(name, name.replace("_", " "))
+
+
 def _label(model: NoiseModel, parameter: FreeParameter) -> str:
     """Parameter, with the operating point of a table's row or the kind of a law's number."""
-    name = parameter.parameter or parameter.effect
+    name = slider_name(parameter)
     effect = model.get(parameter.effect)
     law = getattr(effect, parameter.parameter) if effect is not None else model.pedestal
     if not isinstance(law, TableLaw):

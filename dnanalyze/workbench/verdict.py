@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -111,7 +112,9 @@ def _missing(found: dict[str, Any], others: list[dict[str, Any]], ordinary: list
 def _answered(answer: dict[str, Any]) -> Verdict:
     """What the command says of a step."""
     adequate = answer["verdict"] == "adequate" and not answer.get("tells")
-    text = answer["headline"]
+    text, effect = answer["headline"], answer.get("effect", "")
+    if effect:
+        text = re.sub(rf"\b{effect}\b", f"{{{effect}}}", text)
     if classifier := answer.get("classifier"):
         text += f" {classifier}"
     return Verdict(text, "good" if adequate else "bad", "" if adequate else "diagnose")

@@ -9,7 +9,7 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
 from dnanalyze.workbench.frames import Kind, View
 
 UNSEEN = "codes", "level", "trends"  # families that no picture shows
-FAMILIES: dict[str, Kind] = {"shading": "mean", "time": "temporal noise"}
+FAMILIES: dict[str, Kind] = {"shading": "mean", "lines": "mean", "time": "temporal noise"}
 KINDS: dict[str, Kind] = {"temporal": "temporal noise", "pattern": "mean", "dsnu": "mean"}
 
 

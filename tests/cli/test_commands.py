@@ -121,6 +121,14 @@ def test_a_report_and_a_table_are_written(command, folder, calls, tmp_path):
     assert table.read_text().splitlines()[0].startswith(("name", "temperature_c"))
 
 
+@pytest.mark.long
+def test_processed_frames_are_drawn_beside_the_raw_ones(folder, calls, tmp_path):
+    page = tmp_path / "out.html"
+    other = write_captures(fakes.captures(), tmp_path / "processed")
+    assert main(["analyze", str(folder), "--with", str(other), "--report", str(page), "-q"]) == 0
+    assert "Left: sensor; right: processed" in page.read_text()
+
+
 def test_json_to_standard_output_is_all_that_stands_there(folder, capsys):
     assert main(["inspect", str(folder), "--json", "-", "-q"]) == 0
     shown = capsys.readouterr()

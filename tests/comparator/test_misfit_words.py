@@ -49,7 +49,7 @@ def test_no_ratio_to_a_number_that_may_be_zero():
     assert (
         misfit(known, 40.0, 2.2e-16, 9.0) == f"{known.title}: 40 pixels measured, none in the model"
     )
-    assert "40 pixels measured, 1 pixels in the model" in misfit(known, 40.0, 1.0, 9.0, 1.4)
+    assert "40 pixels measured, 1 pixel in the model" in misfit(known, 40.0, 1.0, 9.0, 1.4)
     assert "is 1.6 times" not in misfit(known, 40.0, 25.0, 3.0, 1.4)
     assert misfit(known, 40.0, 25.0, 3.0, 1.4).startswith("1.6 times as many")
     assert "none measured, 33 pixels in the model" in misfit(known, 0.0, 33.0, -9.0, 1.4)

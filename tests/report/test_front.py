@@ -16,9 +16,18 @@ from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.loaders.captures import OperatingPoint, Sensor
 from dnanalyze.model.effects.column_fpn import ColumnFpn
 from dnanalyze.model.effects.denoise import Denoise
-from dnanalyze.report.fields import FRAME, MEAN, TEMPORAL, Place, fields, kind_of, worst_place
+from dnanalyze.report.fields import (
+    FRAME,
+    MEAN,
+    TEMPORAL,
+    Place,
+    fields,
+    kind_of,
+    side_of,
+    worst_place,
+)
 from dnanalyze.report.figures.before_after import before_after, changed
-from dnanalyze.report.figures.field_images import block_means, field_row, robust_range, side_of
+from dnanalyze.report.figures.field_images import block_means, field_row, robust_range
 from dnanalyze.report.figures.style import Layer, layers
 from dnanalyze.report.figures.wang_2025 import figure_1, figure_2
 from dnanalyze.report.leads import compare_lead, diagnose_lead, plain_name, refine_lead

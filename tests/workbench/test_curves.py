@@ -114,6 +114,15 @@ def test_a_histogram_is_that_after_the_change(white, windows):
     assert inside == pytest.approx(0.383, rel=0.08)  # half a standard deviation to either side
 
 
+def test_hot_pixels_do_not_make_the_bins_of_a_histogram_wider(white):
+    stack = np.random.default_rng(7).normal(200, NOISE, (3, 64, 64))
+    stack[:, ::16, ::16] = 9000.0
+    hot = _statistics(stack)
+    found = curves.curve(hot, Address("pattern_q0.99", POINT), hot)
+    assert np.diff(found.x).max() < NOISE
+    assert found.x.max() < 200 + 30 * NOISE
+
+
 def test_what_a_family_cannot_draw_is_none(white):
     assert curves.axes(Address("mean", POINT), white) is None
     assert curves.curve(white, Address("mean", POINT), white) is None

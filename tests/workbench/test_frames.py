@@ -44,14 +44,20 @@ def test_a_large_image_is_shown_by_block_means_and_its_hot_pixels_apart():
     pixels[301, 777] = 900.0
     whole = Window.whole(pixels.shape)
     shown, side = frames.block_means(pixels, whole, 128)
-    assert side == 8
-    blocks = pixels.reshape(64, 8, 128, 8).mean(axis=(1, 3))
-    np.testing.assert_allclose(shown, blocks, atol=1e-4)
+    assert side == 9
+    blocks = pixels[:504, :1017].reshape(56, 9, 113, 9).mean(axis=(1, 3))
+    np.testing.assert_allclose(shown[:56, :113], blocks, atol=1e-4)
     far = frames.outliers(pixels, whole, 10)
     assert (far.rows[0], far.columns[0], far.values[0]) == (301, 777, 900.0)
     assert far.count == np.sum(np.abs(pixels) > 5 * np.diff(np.quantile(pixels, [0.16, 0.84])) / 2)
     low, high = frames.contrast([shown])
-    assert -0.75 < low < high < 0.75  # 8 x 8 pixels of unit noise, the hot one at 14
+    assert -0.75 < low < high < 0.75  # 9 x 9 pixels of unit noise, the hot one at 14
+
+
+def test_block_means_show_a_pattern_of_two_columns():
+    pixels = np.tile(np.float32([9.0, -9.0]), (64, 32))
+    shown, _ = frames.block_means(pixels, Window.whole(pixels.shape), 32)
+    np.testing.assert_allclose(np.abs(shown[:, :-1]), 3.0)
 
 
 def test_blocks_at_the_edges_are_means_of_the_pixels_that_they_hold():

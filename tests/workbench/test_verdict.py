@@ -114,6 +114,11 @@ def test_after_an_addition_the_command_s_sentence_and_the_classifier_s_are_told(
     assert (said.tone, said.action) == (tone, action)
 
 
+def test_an_added_effect_is_told_by_its_plain_name():
+    answer = {"verdict": "missing", "effect": "rts", "headline": "With rts the parts fall."}
+    assert verdict(_session(answers={0: answer})).text == "With {rts} the parts fall."
+
+
 def test_a_diagnosis_of_another_step_is_not_told():
     found = _diagnosis("adequate") | {"node": 3}
     assert verdict(_session(diagnosis=found)).action == "diagnose"

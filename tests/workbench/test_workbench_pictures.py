@@ -11,9 +11,9 @@ def test_the_difference_is_that_of_the_means_shown_and_a_model_may_lack(folder, 
     pictures = Pictures(dnanalyze.load(str(folder)))
     view, window = View(setting=1), Window(0, 96, 0, 90)
     found = pictures.picture(view, window, fitted, 48, True)
-    assert (found.side, found.measured.shape) == (2, (48, 45))
+    assert (found.side, found.measured.shape) == (3, (32, 30))
     np.testing.assert_array_equal(found.difference, found.measured - found.simulated)
-    blocks = pictures.whole(view, None)[:, :90].reshape(48, 2, 45, 2).mean(axis=(1, 3))
+    blocks = pictures.whole(view, None)[:, :90].reshape(32, 3, 30, 3).mean(axis=(1, 3))
     np.testing.assert_allclose(found.measured, blocks, rtol=1e-5)
     assert set(found.outliers) == {"measured", "simulated"}
     alone = pictures.picture(view, window, None, 48, False)

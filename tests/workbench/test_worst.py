@@ -28,6 +28,8 @@ def _row(name, family, z, point):
         ("temporal_r1", "time", "temporal noise"),
         ("noise_at_90", "time", "temporal noise"),
         ("shading_0_1", "shading", "mean"),
+        ("column_periodic_2", "lines", "mean"),
+        ("temporal_row_noise", "lines", "temporal noise"),
         ("hot_count_5", "tails", "frame"),
     ],
 )

@@ -22,12 +22,21 @@ def analyze(
             "of this sensor) in JSON and CSV. Reads the frames up to 21 times more.",
         ),
     ] = False,
+    beside: Annotated[
+        str | None,
+        option(
+            "--with CAPTURES2",
+            "Other frames of the sensor, such as processed ones, drawn beside these in the "
+            "report's histogram and spectra.",
+        ),
+    ] = None,
 ) -> None:
     """Measure the EMVA 1288 dark quantities and every statistic, with standard errors."""
     from dnanalyze.analyzers.analyze import analyze as run
     from dnanalyze.errors import InputError
     from dnanalyze.fitting.design import design
     from dnanalyze.fitting.problem import fit_problem
+    from dnanalyze.report.results.statistics import page
 
     if system_gain is not None and not 0 < system_gain < float("inf"):
         raise InputError(f"--system-gain {system_gain:g}: it must be above 0 DN/e⁻")
@@ -48,5 +57,10 @@ def analyze(
             tick(0, None)
             tick.now("Repeatability")
             statistics = repeated(found, statistics)
+        other = None
+        if beside is not None:
+            tick(0, None)
+            tick.now(f"Reading {beside}")
+            other = run(options.load(session, beside), scheduler=scheduler)
     session.show(statistics)
-    session.finish(statistics)
+    session.finish(statistics, lambda: page(statistics, other))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from dnanalyze.report.fields import TEMPORAL, Fields
+from dnanalyze.report.fields import TEMPORAL, Fields, side_of
 from dnanalyze.report.figures.colour_bar import bar_below
 from dnanalyze.report.figures.style import Cell, Picture, panels
 from dnanalyze.report.words import point_label, sentence, varied
@@ -53,11 +52,6 @@ def block_means(image: np.ndarray, most: int = CELLS, squares: bool = False) -> 
     blocks = np.square(cut) if squares else cut
     mean = blocks.reshape(rows, tall, columns, wide).mean(axis=(1, 3))
     return np.sqrt(mean) if squares else np.asarray(mean)
-
-
-def side_of(shape: tuple[int, ...], most: int) -> int:
-    """Side of the blocks, pixels: the least odd number that leaves ``most`` cells a side."""
-    return 2 * (math.ceil(max(shape) / most) // 2) + 1
 
 
 def robust_range(*images: np.ndarray, reach: float = COLOUR_DEVIATIONS) -> tuple[float, float]:

@@ -102,6 +102,33 @@ def draw_spectra_over(
     return ax
 
 
+def figure_2_of_two(one: Layer, other: Layer) -> Picture | None:
+    """Radial spectra of all operating points of two sets of frames, such as raw and processed.
+
+    Parameters
+    ----------
+    one, other : Layer
+        Measured; each is drawn at its own operating points.
+    """
+    part = next((p for p in ("frame", *PARTS) if _spectra_of(one, p)), "frame")
+    cells = [
+        Cell(
+            partial(draw_spectra_over, drawn=[layer], settings=_spectra_of(layer, part), part=part),
+            5.05, 3.1, part, f"{PARTS[part]}, {layer.label}",
+        )
+        for layer in (one, other)
+    ]  # fmt: skip
+    return panels(
+        cells,
+        f"Radial power spectra of all operating points. Left: {one.label}; right: {other.label}.",
+        f"Radial power spectra over the operating points: {one.label}, {other.label}.",
+    )
+
+
+def _spectra_of(layer: Layer, part: str) -> list[SettingStatistics]:
+    return chosen(layer.statistics, MAX_POINTS, has(*names_of(part, True)))
+
+
 def figure_2(drawn: Sequence[Layer], raw: Layer | None = None) -> Picture | None:
     """Radial spectra of all operating points on one axis, measured and model.
 

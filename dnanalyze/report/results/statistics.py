@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -18,7 +20,7 @@ from dnanalyze.report.figures.dark_signal import dark_signal
 from dnanalyze.report.figures.families import family_plots
 from dnanalyze.report.figures.pictures import Draw
 from dnanalyze.report.figures.sensor_maps import sensor_maps
-from dnanalyze.report.figures.style import layers
+from dnanalyze.report.figures.style import MODEL, Layer, layers
 from dnanalyze.report.page import Page, Section, Table, page_of
 from dnanalyze.report.plain import document as made
 from dnanalyze.report.plain import estimate
@@ -189,11 +191,15 @@ def lead(measured: Statistics, found: list[Structure]) -> str:
     return sentence(text)
 
 
-def page(measured: Statistics) -> Page:
-    """The report."""
+def page(measured: Statistics, beside: Statistics | None = None) -> Page:
+    """The report; with other frames of the sensor, such as processed ones, in Figures 1 and 2."""
     found, place, drawn = structures(measured), plainest(measured), layers(measured)
-    captures = measured.captures
+    captures, other = measured.captures, None
     assert captures is not None
+    if beside is not None:
+        names = [Path(s.name).name for s in (measured, beside)]
+        drawn = (replace(drawn[0], label=names[0]),)
+        other = Layer(names[1], beside, MODEL, "-", 1.2)
     return page_of(
         captures,
         "Dark-frame statistics",
@@ -213,7 +219,7 @@ def page(measured: Statistics) -> Page:
         ],
         front=[
             series_section(captures, measured, place),
-            *curves_sections(drawn, place),
+            *curves_sections(drawn, place, beside=other),
             *numbers_section(measured),
         ],
     )

@@ -17,8 +17,8 @@ from dnanalyze.report.fields import Place, fields, worst_place
 from dnanalyze.report.figures.before_after import before_after
 from dnanalyze.report.figures.field_images import field_row, field_series
 from dnanalyze.report.figures.style import ACCENT, GAUSSIAN, MODEL, Layer, chosen, layers
-from dnanalyze.report.figures.wang_2025 import figure_1, figure_2
-from dnanalyze.report.leads import plain_name
+from dnanalyze.report.figures.wang_2025 import figure_1, figure_2, figure_2_of_two
+from dnanalyze.report.leads import lacks, plain_name
 from dnanalyze.report.page import Section, Table
 from dnanalyze.report.rivals import Rivals
 from dnanalyze.report.words import DIRECT, direct_rows
@@ -93,6 +93,7 @@ def curves_sections(
     place: Place | None,
     simulated: Statistics | None = None,
     raw: Statistics | None = None,
+    beside: Layer | None = None,
 ) -> list[Section]:
     """Figures 1 and 2 of the paper for this sensor.
 
@@ -104,19 +105,20 @@ def curves_sections(
         Of Figure 1.
     simulated, raw : Statistics, optional
         Of the model, and of the model without its filters, for Figure 2.
+    beside : Layer, optional
+        Other frames of the sensor, such as processed ones, drawn beside the measured.
     """
     setting = _setting(drawn[0].statistics, place)
     if setting is None:
         return []
     before = None if raw is None else Layer("model without its filters", raw, MODEL)
     second = [drawn[0], *layers(drawn[0].statistics, simulated)[1:]]
+    first, spectra = drawn, figure_2(second, before)
+    if beside is not None:
+        first, spectra = [*drawn, beside], figure_2_of_two(drawn[0], beside)
     return [
-        Section("figure-1", "Histogram and spectra", pictures=[figure_1(drawn, setting)]),
-        Section(
-            "figure-2",
-            "Spectra over all operating points",
-            pictures=[figure_2(second, before)],
-        ),
+        Section("figure-1", "Histogram and spectra", pictures=[figure_1(first, setting)]),
+        Section("figure-2", "Spectra over all operating points", pictures=[spectra]),
     ]
 
 
@@ -173,10 +175,16 @@ def candidate_layers(comparison: Comparison, rivals: Rivals) -> list[Layer]:
 
 
 def place_of(comparison: Comparison | None, rivals: Rivals) -> Place | None:
-    """Where the named effect lowers the error most; without one, where the model fails most."""
+    """Where the named effect lowers the error most, or where what the model lacks is plainest.
+
+    Without either, where the model fails most.
+    """
     if rivals.before is not None:
         return worst_place(rivals.before.rows, () if rivals.after is None else rivals.after.rows)
-    return None if comparison is None else worst_place(comparison.statistics)
+    if comparison is None:
+        return None
+    lacking = lacks(comparison)
+    return worst_place(comparison.statistics) if lacking is None else lacking.place
 
 
 def numbers_section(measured: Statistics, part: str = "") -> list[Section]:
@@ -229,7 +237,8 @@ def direct_front(result: Comparison | Diagnosis | Refinement) -> list[Section]:
     if not every:
         return []
     off = sum(not a.kept for a in every)
-    text = f"{len(every) - off} of {len(every)} quantities agree within 3 σ or 10 %."
+    agree = "quantity agrees" if len(every) == 1 else "quantities agree"
+    text = f"{len(every) - off} of {len(every)} {agree} within 3 σ or 10 %."
     order = sorted(range(len(every)), key=lambda n: (every[n].kept, -abs(every[n].sigma)))
     rows = [direct_rows(result)[n] for n in order[:DIRECT_ROWS]]
     return [

@@ -26,7 +26,7 @@ from dnanalyze.workbench.page.enlarge import enlarger
 from dnanalyze.workbench.page.figure import CurveFigure
 from dnanalyze.workbench.page.points import labelled, unbroken, without_shared
 from dnanalyze.workbench.page.style import Palette, card, inner
-from dnanalyze.workbench.page.terms import explained
+from dnanalyze.workbench.page.terms import explained, with_term
 from dnanalyze.workbench.worst import worst_row
 
 MOST_ROWS = 14  # statistics of a family in the matrix, the worst first
@@ -34,6 +34,7 @@ LEAST, MOST = 0.3, 300.0  # ends of the axis of errors
 COLOUR_STEPS = (1.0, 2.0, 4.0, 10.0, 30.0)  # |difference| in sigma at which the colour changes
 GOOD = 1.3  # error up to which a family is as close as a second sensor
 TALL = "clamp(204px, 22vh, 420px)"  # of families and statistics: the figure has the rest
+LARGE = "@container (min-height:700px) { :host { max-height:40cqh; } }"  # of an enlarged pane
 NOTHING = 1e-9  # share of the larger of two numbers, below which the other is 0
 
 
@@ -68,7 +69,7 @@ class Failures:
         self._rows_of: list[dict[str, Any]] = []
         self.table = FailureTable(
             one=_place_of(1.0), stylesheets=[inner(p) + _looks(p)], sizing_mode="stretch_width",
-            margin=(2, 0, 0, 0), css_classes=["failures"], styles={"max-height": TALL},
+            margin=(2, 0, 0, 0), css_classes=["failures"],
         )  # fmt: skip
         self.table.param.watch(lambda e: context.back(lambda: self._clicked(e.new)), "clicked")
         self.figure = CurveFigure(context)
@@ -77,7 +78,9 @@ class Failures:
             "<div class=loading>statistics of the captures …</div>", stylesheets=style, margin=0
         )
         self.view = pn.Column(
-            styles=card(p) | {"overflow": "auto"}, sizing_mode="stretch_both", margin=0
+            styles=card(p) | {"overflow": "auto", "container-type": "size"},
+            sizing_mode="stretch_both",
+            margin=0,
         )
         self.view.extend([
             pn.Row(
@@ -216,7 +219,7 @@ class Failures:
             row = made.setdefault(
                 r["name"],
                 {
-                    "title": html.escape(unbroken(title)) + explained(title),
+                    "title": with_term(unbroken(title)),
                     "cells": [None] * len(points),
                 },
             )
@@ -300,7 +303,8 @@ def _place(row: Any) -> tuple[OperatingPoint, str]:
 
 def _looks(p: Palette) -> str:
     return f"""
-:host {{ overflow:auto; }}
+:host {{ overflow:auto; max-height:{TALL}; }}
+{LARGE}
 .pair {{ display:grid; grid-template-columns:minmax(284px, 2fr) minmax(0, 5fr); gap:10px;
   align-content:start; }}
 button {{ font:inherit; color:inherit; border:0; background:none; cursor:pointer; padding:0; }}

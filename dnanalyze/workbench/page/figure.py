@@ -19,7 +19,7 @@ from dnanalyze.workbench.page.downloads import downloads
 from dnanalyze.workbench.page.plot import CurvePlot
 from dnanalyze.workbench.page.points import labelled, unbroken, without_shared
 from dnanalyze.workbench.page.style import inner
-from dnanalyze.workbench.page.terms import explained
+from dnanalyze.workbench.page.terms import with_term
 
 TITLE = 35  # screen pixels of two lines: a figure that moves leaves its old image behind
 
@@ -85,11 +85,11 @@ class CurveFigure:
             return
         self.view.visible = True
         axes, labels, found = self._curves()
+        self.what.visible = not labels or self.what.value != "curve"  # else it has no curve
         where = unbroken(labelled(address.point, address.plane))
         info = infos()[address.name]
         self.title.object = (
-            f"<b>{html.escape(info.title)}</b>{explained(info.title)} "
-            f"<span class=quiet>{html.escape(where)}</span>"
+            f"<b>{with_term(info.title)}</b> <span class=quiet>{html.escape(where)}</span>"
         )
         measured = session.problem.measured[1]
         marks = [] if labels else curves.marks(address, measured)

@@ -10,6 +10,7 @@ from bokeh.models import CustomJSTicker, CustomJSTickFormatter
 
 # 1, 2 and 5 times powers of ten; of less than a decade multiples of such a number, 5 at most.
 TICKS = """
+const sparse = false;
 const [low, high] = [cb_data.start, cb_data.end].sort((a, b) => a - b);
 if (!(low > 0 && high < Infinity)) return [];  // the range of the axis before
 const decades = Math.log10(high / low);
@@ -22,9 +23,10 @@ if (decades < 1) {
   return ticks;
 }
 const every = Math.ceil(decades / 6);
+const of = decades > 3 ? [1] : !sparse || decades < 1.5 ? [1, 2, 5] : decades < 2.5 ? [1, 3] : [1];
 for (let e = Math.floor(Math.log10(low)); e <= Math.log10(high); e++) {
   if (e % every === 0) {
-    ticks.push(...(decades > 3 ? [1] : [1, 2, 5]).map((m) => Number(`${m}e${e}`)));
+    ticks.push(...of.map((m) => Number(`${m}e${e}`)));
   }
 }
 return ticks.filter((t) => low <= t && t <= high);
@@ -38,9 +40,10 @@ return mantissa === 1 ? power : `${mantissa}·${power}`;
 """
 
 
-def log_ticker() -> CustomJSTicker:
-    """Ticks of a logarithmic axis."""
-    return CustomJSTicker(major_code=TICKS)
+def log_ticker(sparse: bool = False) -> CustomJSTicker:
+    """Ticks of a logarithmic axis; ``sparse``: fewer, for a low figure."""
+    code = TICKS.replace("sparse = false", "sparse = true") if sparse else TICKS
+    return CustomJSTicker(major_code=code)
 
 
 def log_formatter() -> CustomJSTickFormatter:

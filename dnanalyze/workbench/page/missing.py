@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,12 @@ import param
 from panel.custom import JSComponent
 
 from dnanalyze.model.noise_model import model_from_plain
+from dnanalyze.report.leads import plain_name as in_words
 from dnanalyze.report.words import number, percent
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.enlarge import enlarger
+from dnanalyze.workbench.page.points import unbroken
 from dnanalyze.workbench.page.style import Palette, card, inner
 from dnanalyze.workbench.page.terms import plain_name
 
@@ -27,12 +30,13 @@ TICK_MS = 250  # between two readings of a task's progress
 
 
 class CandidateList(JSComponent):
-    """Rows that tell when the pointer is over them and when one is added."""
+    """Rows that tell when they are drawn, when the pointer is over them and when one is added."""
 
     rows = param.List(default=[], doc="Mappings of texts; see candidates.js.")
     busy = param.Boolean(default=False, doc="Whether a task is under way.")
     hovered = param.String(default="")
     added = param.Event(default=False)
+    drawn = param.Boolean(default=False, doc="Whether the browser has drawn them, and the pane.")
     effect = ""
 
     _esm = Path(__file__).with_name("candidates.js").read_text(encoding="utf-8")
@@ -40,7 +44,9 @@ class CandidateList(JSComponent):
     def _handle_msg(self, message: Any) -> None:
         if not isinstance(message, dict):
             return
-        if "hover" in message:
+        if "drawn" in message:
+            self.drawn = True
+        elif "hover" in message:
             self.hovered = str(message["hover"])
         elif "add" in message:
             self.effect = str(message["add"])
@@ -88,6 +94,7 @@ class Missing:
             ),
         ])  # fmt: skip
         context.listeners.append(self.update)
+        self._enable()
         pn.state.add_periodic_callback(self._tick, period=TICK_MS)
 
     def _add(self) -> Any:
@@ -110,6 +117,10 @@ class Missing:
             self._tick()  # a message often tells the end of a task
 
     def _tick(self) -> None:
+        if self.list.drawn:  # a browser fails at a button that changes before it is drawn
+            self._enable()
+
+    def _enable(self) -> None:
         job = self.context.session.worker.job
         busy = job is not None and not job.background
         for button in (self.diagnose, self.refine, self.detect):
@@ -217,7 +228,8 @@ class Missing:
 def _evidence(candidate: Any) -> str:
     """Its most telling evidence, and what it is confounded with."""
     text = candidate["evidence"][0] if candidate["evidence"] else ""
-    others = ", ".join(candidate["confused_with"])
+    text = unbroken(re.sub(rf"\b{candidate['effect']}\b", in_words(candidate["effect"]), text))
+    others = ", ".join(map(in_words, candidate["confused_with"]))
     return (
         f"{text}{' · ' if text and others else ''}{f'confounded with {others}' if others else ''}"
     )

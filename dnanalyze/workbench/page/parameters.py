@@ -20,7 +20,7 @@ from dnanalyze.digits import number, symbol, unit_text
 from dnanalyze.fitting.free_parameters import FreeParameter
 from dnanalyze.workbench.page.points import unbroken
 from dnanalyze.workbench.page.style import Palette, hover, inner, plain_figure
-from dnanalyze.workbench.sliders import Slider
+from dnanalyze.workbench.sliders import Slider, slider_name
 
 SPAN = 4.0  # factor to either side of the present value that a logarithmic slider covers
 TICKS = 200  # positions of a slider
@@ -239,7 +239,7 @@ def heading(sliders: Sequence[Slider], style: list[str], hint: str = "") -> pn.p
     """Name and unit of a parameter with a number for each operating point."""
     parameter = sliders[0].parameter
     return pn.pane.HTML(
-        f"<b>{html.escape(parameter.parameter or parameter.effect)}</b> <span class=quiet>"
+        f"<b>{html.escape(slider_name(parameter))}</b> <span class=quiet>"
         f"{html.escape(symbol(parameter.unit))} at {len(sliders)} operating points{hint}</span>",
         stylesheets=style, margin=(3, 0, 0, 14),
     )  # fmt: skip

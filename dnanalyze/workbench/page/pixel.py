@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.words import celsius
+from dnanalyze.workbench.frames import View
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.downloads import downloads
@@ -105,16 +106,17 @@ class Pixel:
                 f"<span style='color:{p.present}'>▲ simulated</span></span>"
             )
             self._values = found
-            self._draw()
+            self.draw()
 
         self._latest.ask(work, draw, lambda error: session.tell(str(error)))
 
-    def chosen(self, setting: int) -> None:
+    def chosen(self, view: View, point: OperatingPoint) -> None:
         """Draw the frames of another operating point."""
-        self._setting = setting
-        self._draw()
+        self._setting = view.setting
+        self.draw()
 
-    def _draw(self) -> None:
+    def draw(self) -> None:
+        """Draw the values that there are."""
         settings = self.context.session.captures.settings
         for name in self._frames:
             values = self._values.get(name, [])

@@ -31,6 +31,7 @@ LEFT = 58  # screen pixels to the left of both figures, so that their abscissas 
 MOST_SIGMA = 60.0  # end of the axis of residuals at most
 COLOURS = {"Wang 2025 model": "wang", "present model": "present", "candidate": "candidate"}
 MOST_MARKS = 12  # frequencies that a figure marks
+APART = 0.04  # share of the abscissa that the names of two marks are apart at least
 
 
 class CurvePlot:
@@ -203,7 +204,7 @@ class CurvePlot:
         for item in made.legend[0].items:  # an empty curve has no line in the legend
             (line,) = item.renderers
             item.visible = bool(len(line.data_source.data["x"]))
-        self._mark(marks)
+        self._mark(marks, axes.log_x)
         if band is not None:
             self._box.left, self._box.right = band
         self._box.visible = band is not None
@@ -230,12 +231,11 @@ class CurvePlot:
             if not zoomed and (r.start, r.end) != (low, high):
                 r.start, r.end = low, high
 
-    def _mark(self, marks: Sequence[Mark]) -> None:
+    def _mark(self, marks: Sequence[Mark], log: bool) -> None:
         shown = list(marks)[:MOST_MARKS]
         top = self.figure.y_range.end
-        data = {
-            "x": [m.x for m in shown], "y": [top] * len(shown), "text": [m.text for m in shown]
-        }  # fmt: skip
+        texts = _legible([m.x for m in shown], [m.text for m in shown], self._whole[0], log)
+        data = {"x": [m.x for m in shown], "y": [top] * len(shown), "text": texts}
         if self._marks.data != data:
             self._marks.data = data
         for i, span in enumerate(self._spans):
@@ -256,7 +256,7 @@ class _Axis:
         self._scales = {False: LinearScale(), True: LogScale()}
         self._tickers = {
             False: BasicTicker(),
-            True: log_ticker(),
+            True: log_ticker(sparse=which == "y"),
         }
         self._formatters = {
             False: BasicTickFormatter(use_scientific=False),
@@ -284,6 +284,26 @@ class _Axis:
         for part in (self._axis, self._grid):
             if part.ticker is not ticker:
                 part.ticker = ticker
+
+
+def _legible(
+    at: Sequence[float], texts: Sequence[str], ends: tuple[float, float], log: bool
+) -> list[str]:
+    """Texts of marks; none for a mark so near to one before it that they would overlap.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.plot import _legible
+    >>> _legible([0.5, 0.25, 0.48], ["Nyquist", "period 4", "peak"], (0.01, 0.7), True)
+    ['Nyquist', 'period 4', '']
+    """
+    scale = np.log if log else np.asarray
+    places = scale(np.asarray(at, float)) / float(np.ptp(scale(np.asarray(ends, float))))
+    kept: list[int] = []
+    for i in range(len(places)):
+        if all(abs(places[i] - places[k]) > APART for k in kept):
+            kept.append(i)
+    return [text if i in kept else "" for i, text in enumerate(texts)]
 
 
 def _ends(values: Any, log: bool) -> tuple[float, float]:

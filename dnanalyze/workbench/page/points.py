@@ -32,4 +32,4 @@ def unbroken(text: str) -> str:
     >>> unbroken("mu, 65 °C, 0.05 s, gain 1") == "mu, 65\u00a0°C, 0.05\u00a0s, gain\u00a01"
     True
     """
-    return re.sub(r"(?<=\d) (?=[^\W\d]|°)|(?<=[^\W\d]) (?=\d+$)", "\u00a0", text)
+    return re.sub(r"(?<=\d) (?=[^\W\d]|[°%])|(?<=[^\W\d]) (?=\d+$)", "\u00a0", text)

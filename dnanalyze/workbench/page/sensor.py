@@ -1,4 +1,4 @@
-"""The sensor: frames measured, simulated and their difference, with the histogram or a pixel."""
+"""The sensor: frames measured, simulated and their difference, and what stands beside them."""
 
 from __future__ import annotations
 
@@ -23,10 +23,9 @@ from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.downloads import downloads
 from dnanalyze.workbench.page.enlarge import enlarger
-from dnanalyze.workbench.page.histogram import Histogram
 from dnanalyze.workbench.page.images import MAPS, NAMES, Grid, Images, blocks
-from dnanalyze.workbench.page.pixel import Pixel
 from dnanalyze.workbench.page.points import labelled, without_shared
+from dnanalyze.workbench.page.side import Side
 from dnanalyze.workbench.page.style import card, inner
 from dnanalyze.workbench.pictures import Picture
 from dnanalyze.workbench.places import Places
@@ -36,7 +35,6 @@ REDRAWN_AT_REST = 1 << 21  # pixels from which a moving slider redraws the frame
 LIVE_S = 1.0  # least time between frames while a slider moves: curve and error come first
 FEWEST = 420  # rows or columns that are sent of an image of unknown size on the screen
 LARGE_HEIGHT = 900  # the same at most
-SIDES = "histogram", "pixel"
 MODES = "side by side", "swipe", "blink"
 
 
@@ -62,19 +60,13 @@ class Sensor:
         self._make_controls(style)
         self.marks = pn.pane.HTML("", stylesheets=style, margin=(4, 0, 0, 4), css_classes=["marks"])
         self.images = Images(p, self.captures.sensor.shape, self._pixel, self._changed)
-        self.histogram = Histogram(context)
-        self.pixel = Pixel(context)
-        self.side = pn.Column(
-            pn.Row(self.which, margin=0), self.histogram.view, self.pixel.view, margin=0,
-            sizing_mode="stretch_both", css_classes=["side"],
-        )  # fmt: skip
-        self.pixel.view.visible = False
+        self.side = Side(context)
         self.places = pn.Column(
             *(
                 pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_both", css_classes=[n])
                 for n, f in self.images.figures.items()
             ),
-            self.side, sizing_mode="stretch_both", margin=0, stylesheets=[GRID],
+            self.side.view, sizing_mode="stretch_both", margin=0, stylesheets=[GRID],
             css_classes=["images"],
         )  # fmt: skip
         self.view = pn.Column(
@@ -137,14 +129,10 @@ class Sensor:
         self.high = pn.widgets.TextInput(placeholder="max", css_classes=["high"], **number)
         self.auto = pn.widgets.Toggle(name="auto scale", value=True, **small)
         self.hot = pn.widgets.Toggle(name="pixels > 5 σ", value=False, **small)
-        self.which = pn.widgets.RadioButtonGroup(
-            options=list(SIDES), value=SIDES[0], width=140, stylesheets=style, margin=0
-        )
         self._watch(self._chosen, self.point, self.kind, self.frame, self.plane)
         self._watch(self._changed, self.colours, self.mode, self.hot, self.auto)
         self._watch(self._typed, self.low, self.high)
         self._watch(self._compose, self.swipe)
-        self._watch(self._sided, self.which)
 
     def _watch(self, call: Callable[[], None], *widgets: Any) -> None:
         """Call a function after the user has changed a widget, with the document's lock."""
@@ -246,18 +234,11 @@ class Sensor:
         self._changed()
 
     def _adjusted(self) -> None:
-        setting = self.view_of.setting
         self.frame.visible = self.view_of.kind == "frame"
-        self.pixel.chosen(setting)
-        self.histogram.chosen(self.captures.settings[setting].point, self.view_of.plane)
-
-    def _sided(self) -> None:
-        self.histogram.view.visible = self.which.value == "histogram"
-        self.pixel.view.visible = self.which.value == "pixel"
+        self.side.chosen(self.view_of, self.captures.settings[self.view_of.setting].point)
 
     def _pixel(self, row: int, column: int) -> None:
-        self.which.value = "pixel"
-        self.pixel.show(row, column, self.view_of.setting)
+        self.side.show_pixel(row, column, self.view_of.setting)
 
     # Images
 

@@ -10,11 +10,13 @@ import panel as pn
 
 from dnanalyze.report.words import number
 from dnanalyze.workbench.page.context import Context
+from dnanalyze.workbench.page.points import unbroken
 from dnanalyze.workbench.page.style import Palette, inner
 from dnanalyze.workbench.page.terms import explained, plain_name
 from dnanalyze.workbench.verdict import Verdict, verdict
 
 TICK_MS = 250  # between two readings of a task's progress
+LONG = 340  # letters of a verdict from which further sentences are folded
 TASKS = {
     "open": "Opening",
     "fit": "Fit",
@@ -84,7 +86,10 @@ class Strip:
         if what == "preview":
             return
         self._said = said = verdict(self.context.session)
-        text = f"<span class='tone {said.tone}'></span>{_printed(said.text)}"
+        first, rest = _folded(unbroken(said.text))
+        text = f"<span class='tone {said.tone}'></span>{_printed(first)}"
+        if rest:
+            text += f"<details><summary>more</summary>{_printed(rest)}</details>"
         if self.text.object != text:
             self.text.object = text
         label = _label(said)
@@ -191,6 +196,26 @@ def plain_stage(progress: str) -> str:
     return f"{'testing' if first == 'trying' else 'refitting with'} {plain_name(rest)}"
 
 
+def _folded(text: str) -> tuple[str, str]:
+    """The first sentences, of a few lines, and the others.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.strip import _folded
+    >>> _folded("One. " * 3)
+    ('One. One. One.', '')
+    >>> _folded("A sentence of forty letters, or about so. " * 9)[1].count("A sentence")
+    1
+    """
+    first, rest = "", ""
+    for one in re.split(r"(?<=\.) (?=[^\Wa-z])", text.strip()):
+        if rest or (first and len(first) + len(one) > LONG):
+            rest = f"{rest} {one}".strip()
+        else:
+            first = f"{first} {one}".strip()
+    return first, rest
+
+
 def _printed(text: str) -> str:
     """Escaped, with the effects' names: in words, and the code name small; commands as code.
 
@@ -230,7 +255,10 @@ def _looks(p: Palette) -> str:
 .tone.bad {{ background:{p.heat[4]}; }}
 .tone.good {{ background:{p.good}; }}
 .tone.open {{ background:{p.wang}; }}
-:host(.verdict) {{ font-size:14px; line-height:1.35; }}
+:host(.verdict) {{ font-size:14px; line-height:1.35; text-wrap:pretty; }}
+details {{ display:inline; margin-left:6px; }}
+details[open] {{ display:block; margin:2px 0 0 18px; font-size:12px; }}
+details > summary {{ display:inline; cursor:pointer; color:{p.present}; font-size:12px; }}
 progress {{ width:120px; height:8px; accent-color:{p.present}; vertical-align:middle; }}
 .message {{ color:{p.heat[5]}; font-weight:600; }}
 """

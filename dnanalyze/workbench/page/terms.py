@@ -98,6 +98,23 @@ def explained(*terms: str) -> str:
     return ""
 
 
+def with_term(text: str) -> str:
+    """A text with the "?" of its term, which stays on the line of the last word.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.terms import with_term
+    >>> with_term("mean < 3"), with_term("two taps")[:41]
+    ('mean &lt; 3', "two <span style='white-space:nowrap'>taps")
+    """
+    mark = explained(text)
+    if not mark:
+        return html.escape(text)
+    before, _, last = text.rpartition(" ")
+    kept = f"<span style='white-space:nowrap'>{html.escape(last)}{mark}</span>"
+    return f"{html.escape(before)} {kept}" if before else kept
+
+
 def plain_name(effect: str) -> str:
     """An effect's name in words.
 
