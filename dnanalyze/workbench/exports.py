@@ -10,8 +10,8 @@ from dnanalyze.model.registry import BASELINE
 from dnanalyze.workbench.session import WorkbenchSession
 
 if TYPE_CHECKING:
-    from dnanalyze.comparator.rivals import Rivals
     from dnanalyze.fitting.problem import FitProblem
+    from dnanalyze.report.rivals import Rivals
 
 
 def model_file(session: WorkbenchSession) -> str:
@@ -33,7 +33,7 @@ def report(session: WorkbenchSession) -> str:
 
 def _beside(session: WorkbenchSession, problem: FitProblem) -> Rivals:
     """The step on the way to the present model that lowered the error most by a named effect."""
-    from dnanalyze.comparator.rivals import Rivals, rival, unfiltered
+    from dnanalyze.report.rivals import Rivals, rival, unfiltered
 
     assert session.history is not None
     path = session.history.path()

@@ -10,11 +10,11 @@ from bokeh.models import ColumnDataSource
 from matplotlib.colors import LinearSegmentedColormap, to_hex
 
 from dnanalyze.analyzers.statistics import Statistics
-from dnanalyze.comparator.rivals import FILTERS
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.figures.spectrum import names_of
 from dnanalyze.report.figures.style import chosen, has, labels
 from dnanalyze.report.figures.wang_2025 import MAX_POINTS, WARMTH
+from dnanalyze.report.rivals import FILTERS
 from dnanalyze.workbench import curves
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.evaluation import Evaluation
