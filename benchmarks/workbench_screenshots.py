@@ -13,6 +13,7 @@ import argparse
 import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,15 @@ def at_sizes(page: Any, save: Save) -> None:
         save(size)
 
 
+def ended(page: Any) -> None:
+    """Wait until a task has begun, and until nothing is under way."""
+    diagnose = page.get_by_role("button", name="Diagnose")
+    end = time.monotonic() + PATIENCE_S
+    while diagnose.is_enabled() and time.monotonic() < end:
+        page.wait_for_timeout(20)
+    settled(page, PATIENCE_S)
+
+
 def in_states(page: Any, save: Save) -> None:
     """Enlarged panes, views of the frames, candidates, and the page after an addition."""
 
@@ -53,8 +63,7 @@ def in_states(page: Any, save: Save) -> None:
         after(name)
     page.get_by_role("button", name="side by side", exact=True).click()
     page.get_by_role("button", name="Diagnose").click()
-    page.wait_for_timeout(DRAWN_MS)
-    settled(page, PATIENCE_S)
+    ended(page)
     candidate = page.locator(".row").first
     if not candidate.count():
         return after("candidates")
@@ -62,8 +71,7 @@ def in_states(page: Any, save: Save) -> None:
     page.wait_for_timeout(2 * DRAWN_MS)  # its curve is simulated first
     after("candidates")
     candidate.get_by_role("button", name="Add").click()
-    page.wait_for_timeout(DRAWN_MS)
-    settled(page, PATIENCE_S)
+    ended(page)
     page.mouse.move(5, 5)
     after("added")
 
