@@ -132,7 +132,8 @@ def test_a_search_states_its_steps_and_keeps_complete_models(problem):
     # the last step is told before its last fit
     assert [(s.added, s.confidence) for s in told] == [(s.added, s.confidence) for s in path.steps]
     assert path.error == pytest.approx(told[-1].error, rel=0.25)
-    assert kept[-1].state is path.state
+    assert kept[-1].state.model == path.state.model
+    assert error_of(kept[-1].problem, kept[-1].state) == pytest.approx(path.error, rel=1e-12)
     assert path.error == path.steps[-1].error < path.steps[0].error
     assert path.best is None
     assert {"row_fpn", "row_noise"} <= set(trying)
