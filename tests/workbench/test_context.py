@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 pytest.importorskip("panel")
@@ -49,3 +51,13 @@ def test_after_an_error_of_a_pane_the_page_knows_its_models_again(context):
     exchange(figure, 1)
     assert figure.x_scale.id in context.document.models
     assert context.document.callbacks.hold_value is None
+
+
+@pytest.mark.parametrize(("destroyed", "called"), [(None, 0), (True, 0), (False, 1)])
+def test_a_result_for_a_page_that_is_gone_is_dropped(destroyed, called):
+    """Bokeh takes the session from a document that is closed: it is then None."""
+    session = None if destroyed is None else SimpleNamespace(destroyed=destroyed)
+    calls = []
+    document = SimpleNamespace(session_context=session, add_next_tick_callback=calls.append)
+    Context(None, LIGHT, document).back(lambda: None)
+    assert len(calls) == called

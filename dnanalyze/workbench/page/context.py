@@ -54,7 +54,8 @@ class Context:
 
     def back(self, call: Callable[[], None]) -> None:
         """Call a function in the document's thread; nothing where the page has been closed."""
-        if not self.document.session_context.destroyed:
+        session = self.document.session_context  # none, once the document is gone
+        if session is not None and not session.destroyed:
             self.document.add_next_tick_callback(call)
 
     def tell(self, what: str) -> None:
