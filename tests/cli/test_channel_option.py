@@ -107,7 +107,7 @@ def test_refine_and_add_over_channels_complete_each_and_give_one_model(
         channels, "add_channels", lambda found, name, own, **_: finished(found, own)
     )
     monkeypatch.setattr(compare, "compare_on", lambda *_, **__: fakes.comparison())
-    monkeypatch.setattr(channels, "standard_errors", lambda *_: fakes.fit().parameters)
+    monkeypatch.setattr(channels, "uncertain", lambda *_: fakes.fit())
     for command, more in (
         ("refine", ["--max-effects", "3"]), ("add", ["column_fpn"]), ("channels", [])
     ):  # fmt: skip
