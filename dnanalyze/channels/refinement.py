@@ -257,7 +257,7 @@ def _over(
         {c: r.model for c, r in made.items()}, catalogue() if known is None else known
     )
     on_progress("All channels together")
-    problem = fit_problem(design(captures, most_settings=len(captures.settings), pool=False))
+    problem = fit_problem(design(captures, most_settings=len(captures.settings)))
     state = _joint(problem, {c: r.model for c, r in made.items()})
     steps = [*_steps(made), ChannelStep(None, error_of(problem, state))]
     return ChannelRefinement(

@@ -81,7 +81,7 @@ class CheckData:
         return analyze_windows(held, self.windows, progress=self.progress)
 
     def errors(self, simulated: list[Statistics]) -> dict[str, float]:
-        """Pooled error and that of each family, as `compare` gives them for the judged half."""
+        """Pooled error and that of each family, as of `compare`, over all operating points."""
         assert self.measured is not None
         held = target(self.measured[:2], 1)
         z = held.z(prediction(simulated[:2], 1, held))

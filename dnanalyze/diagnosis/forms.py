@@ -20,9 +20,8 @@ from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, deviance, start, with_derivatives_of
 from dnanalyze.model.noise_model import NoiseModel
 
-INDISTINGUISHABLE = (
-    1.0  # squared misfit between two predictions: a likelihood ratio of e^(1/2) at most
-)
+# Squared misfit between two predictions: a likelihood ratio of e^(1/2) at most
+INDISTINGUISHABLE = 1.0
 UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms
 
 

@@ -24,7 +24,8 @@ from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.significance import TOLERATED
 
-# Relative error of a gain that the camera states, or the user: no quantity is off by less
+# Relative error of a gain that the camera states, or the user. A quantity of a model that is off by
+# less agrees.
 RECORDED = 0.1
 GAIN_TOLERANCE = 0.03  # of a photon transfer: levels of a few pixels within, and nonlinearity
 LEAST_ERROR = 1e-3  # DN, of a level: frames of one code all over state none

@@ -72,7 +72,7 @@ class Coverage:
     departures : tuple of Departure, optional
         Where the model departs from the rest of the field; None where that was not compared.
     pooled, pools : int
-        Operating points that were taken as so many fewer, since their frames do not differ.
+        Operating points that were taken as so many fewer: their frames differ by noise alone.
     """
 
     settings: int

@@ -347,8 +347,8 @@ def coverage_words(seen: Coverage | None) -> list[str]:
     if seen.pooled:
         made.append(
             sentence(
-                f"the frames of {seen.pooled} operating points do not differ beyond noise: they "
-                f"count as {seen.pools}"
+                f"the frames of {seen.pooled} operating points differ by noise and drift alone: "
+                f"they count as {seen.pools}"
             )
         )
     if seen.whole or seen.departures is None:

@@ -12,6 +12,7 @@ import yaml
 
 from dnanalyze.checking import margins
 from dnanalyze.checking.check import check
+from dnanalyze.checking.check_data import CheckData
 from dnanalyze.checking.margins import propose
 from dnanalyze.checking.targets import dump_targets, load_targets, targets_from_plain
 from dnanalyze.errors import InputError
@@ -336,3 +337,11 @@ def test_a_correct_simulation_fails_at_most_once_in_a_thousand():
             failed += not result.passed
     print(f"\n{failed} of {tried} correct simulations with a new seed failed; stated: 1 in 1000")
     assert binom.sf(failed - 1, tried, 1e-3) > 1e-3
+
+
+def test_each_operating_point_of_a_target_is_looked_at_by_itself():
+    """Frames that differ by noise alone are one operating point for a fit, not for a target."""
+    points = [OperatingPoint(t, 0.1, 1.0) for t in (-30.0, -20.0)]
+    model = NoiseModel((ReadNoise(3.0),), 64.0, points[0])
+    captures = simulate(model, (64, 48), [(point, 1) for point in points])
+    assert [point for point, _ in CheckData(captures, None, None).plan.settings] == points

@@ -20,6 +20,7 @@ from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import State, deviance, start
 from dnanalyze.fitting.ties import SessionLevels
+from dnanalyze.fitting.time_limit import TimeLimit, TimeUp
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effect import HALF_THE_VARIANCE, Effect
 from dnanalyze.model.laws import TableLaw
@@ -83,6 +84,21 @@ def test_a_guess_is_simulated_beside_parameters_that_its_absence_has_not_biased(
     # the fit without it took the tails for noise that differs by pixel
     (spread,) = spreads
     assert spread == pytest.approx(HALF_THE_VARIANCE * biased)
+
+
+def test_the_clock_is_looked_at_before_each_effect(problem, state):
+    """Initial values that take long are not begun after the end."""
+    asked = []
+
+    class Slow(KNOWN["row_noise"]):
+        @classmethod
+        def guess(cls, clues):
+            asked.append(cls.name)
+            return []
+
+    with pytest.raises(TimeUp):
+        score_tests(problem.within(TimeLimit(0.0)), state, {"slow": Slow})
+    assert asked == []
 
 
 def test_an_effect_that_moves_nothing_promises_nothing(problem, state):

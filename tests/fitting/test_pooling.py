@@ -24,12 +24,12 @@ def setting(frames, temperature=-100.0, exposure=0.0, gain=1.0):
     return Setting(point, tuple(made))
 
 
-def frames(rng, count=1, level=100.0, noise=NOISE, hot=0):
+def frames(rng, count=1, level=100.0, noise=NOISE, hot=0, shape=SHAPE):
     """Frames of one sensor: its pattern is larger than the noise."""
-    pattern = np.random.default_rng(1).normal(0.0, 5.0, SHAPE)
+    pattern = np.random.default_rng(1).normal(0.0, 5.0, shape)
     mean = level + pattern
     mean.flat[rng.choice(mean.size, hot, replace=False)] += 100.0
-    return [mean + rng.normal(0.0, noise, SHAPE) for _ in range(count)]
+    return [mean + rng.normal(0.0, noise, shape) for _ in range(count)]
 
 
 def test_single_frames_of_many_temperatures_are_frames_of_one_operating_point():
@@ -67,6 +67,17 @@ def test_a_difference_beyond_noise_keeps_two_points(other):
     assert len(pooled(two, SHAPE)) == 2
 
 
+def test_few_hits_that_move_neither_level_nor_noise_keep_two_points():
+    """Sixteen of 200,000 pixels: a binomial test of one side alone, 3e-5."""
+    rng, shape = np.random.default_rng(12), (512, 384)
+    equal, hit = (
+        [setting(frames(rng, hot=hot, shape=shape), -100.0 + 10.0 * n) for n, hot in pair]
+        for pair in (((0, 0), (1, 0)), ((0, 0), (1, 16)))
+    )
+    assert len(pooled(equal, shape)) == 1
+    assert len(pooled(hit, shape)) == 2
+
+
 def test_a_small_step_of_the_level_is_a_drift_between_equal_exposures_alone():
     rng = np.random.default_rng(5)
     low, high = frames(rng), frames(rng, level=100.0 + 0.7 * DRIFT * NOISE)
@@ -80,6 +91,8 @@ def test_points_of_other_gains_or_with_frames_enough_are_not_pooled():
     assert [n for _, n in pooled(gains, SHAPE)] == [1, 1]
     several = [setting(frames(rng, 3), -100.0), setting(frames(rng, 3), -90.0)]
     assert [n for _, n in pooled(several, SHAPE)] == [1, 1]
+    warm = setting(frames(rng, level=300.0), 20.0)  # of one frame, so that frames are looked at
+    assert [n for _, n in pooled([*several, warm], SHAPE)] == [1, 1, 1]
 
 
 def test_a_fit_sees_the_pool_and_says_so():

@@ -23,7 +23,9 @@ from dnanalyze.model.hot_signal import HotSignal
 from dnanalyze.model.telegraph import Telegraph, add_telegraph
 
 LEAST_CHANGED = 0.1  # share of the traps that change their state within a series, to be told
-LEAST_RETURNED = 0.1  # share of these that are up in more than one frame
+# Share of these that are up in more than one frame: with fewer, their numbers are those of hits,
+# within a tenth
+LEAST_RETURNED = LEAST_CHANGED
 SEVERAL = 3  # frames from which one can be up in two and down in one
 
 

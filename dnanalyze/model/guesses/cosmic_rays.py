@@ -12,7 +12,8 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.cosmic_rays import STEPPED, CosmicRays
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import SIGN, curve, excess, shows
+from dnanalyze.model.guesses.evidence import curve, excess, shows
+from dnanalyze.significance import SIGN
 
 LIMIT, CUT = 8.0, 6.0  # noises that a transient stands out by, and a difference of two frames
 REACH, MUCH = 60.0, 0.1  # noises up to which differences are counted, nearly; share beyond
@@ -39,11 +40,11 @@ def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
     quiet = (noise > 0) & (noise <= QUIET * noise[place])  # noise breaks tracks into pieces
     seen = _clumps(clues, hits, quiet)
     length, rate, pixels = _by_share(clues, hits, good) if seen is None else seen.tracks(CROSSED)
-    waits = 0.0 if seen is None else seen.readout_s
+    readout_s = 0.0 if seen is None else seen.readout_s
     unseen = np.exp(-min(LIMIT * float(noise[place]) / a_pixel, 3.0))
     energy = a_pixel / hints.gains(clues)[place] * pixels
     more = (1, 10) if reached else (1,)
-    tracks = {"rate": rate / unseen, "length": length, "readout_s": waits}
+    tracks = {"rate": rate / unseen, "length": length, "readout_s": readout_s}
     guesses: list[Effect] = [
         effect.within(**tracks, energy=energy * f, charge=kind) for kind in KINDS for f in more
     ]
@@ -53,7 +54,7 @@ def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
     energy = (
         (a_pixel + math.sqrt(2.0) * CUT * float(noise[place])) / hints.gains(clues)[place] * pixels
     )
-    tracks = {"rate": rate, "energy": energy, "length": length, "readout_s": waits}
+    tracks = {"rate": rate, "energy": energy, "length": length, "readout_s": readout_s}
     return [*guesses, *(effect.within(**tracks, charge=kind) for kind in STEPPED)]
 
 
@@ -107,18 +108,20 @@ def _clumps(clues: Clues, hits: np.ndarray, quiet: np.ndarray) -> _Clumps | None
         rows.append((share * float(sizes.sum()), pixels, area, 1.0 if seconds is None else seconds))
     if not rows:
         return None
-    count, lit, area, seconds_of = np.array(rows).T
-    waits = waiting(count, area, seconds_of)
-    exposed = float(area @ (seconds_of + waits))
+    count, lit, area, exposures = np.array(rows).T
+    readout_s = readout_time(count, area, exposures)
+    exposed = float(area @ (exposures + readout_s))
     if not count.sum() or not exposed:
         return None
     height, width = clues.shape
     border = 2.0 * (height + width) / (height * width)
-    return _Clumps(float(count.sum()), float(lit.sum()), exposed, border, waits)
+    return _Clumps(float(count.sum()), float(lit.sum()), exposed, border, readout_s)
 
 
-def waiting(count: np.ndarray, area: np.ndarray, seconds: np.ndarray) -> float:
-    """Time beyond the exposures from the hits at each, s; 0 where the likelihood tells none.
+def readout_time(count: np.ndarray, area: np.ndarray, seconds: np.ndarray) -> float:
+    """Time beyond the exposures from the hits at each, s; 0 where it is not significant.
+
+    By maximum likelihood, with the rate eliminated.
 
     Parameters
     ----------
@@ -139,8 +142,8 @@ def waiting(count: np.ndarray, area: np.ndarray, seconds: np.ndarray) -> float:
 
     least, most = (math.log(share * longest) for share in (1e-4, 1.0))
     found = minimize_scalar(loss, bounds=(least, most), method="bounded")
-    told = 2.0 * (loss(least) - found.fun) > SIGN**2
-    return math.exp(found.x) if told else 0.0
+    significant = 2.0 * (loss(least) - found.fun) > SIGN**2
+    return math.exp(found.x) if significant else 0.0
 
 
 def _by_share(clues: Clues, hits: np.ndarray, good: np.ndarray) -> tuple[float, float, float]:

@@ -17,7 +17,7 @@ from dnanalyze.model.guesses.hot_peaks import Peak, hot_peaks
 from dnanalyze.significance import SIGN
 
 METALS = 0.35  # activation energy of molybdenum and tungsten, eV
-TWICE = 0.2  # of the ratio of two peaks: bins of 10 %, and the median between core and mean
+TWICE = 0.2  # tolerance of the ratio 2 of two peaks, each found in bins of 10 %
 QUANTILES = tuple(f"pattern_q{p}" for p in (0.001, 0.01, 0.1, 0.25, 0.75, 0.9, 0.99, 0.999))
 
 

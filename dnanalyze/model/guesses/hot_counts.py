@@ -14,7 +14,7 @@ THRESHOLDS = (5, 8, 16, 32, 64, 128)
 USUAL = 0.55  # eV
 ENERGIES = np.array([USUAL, *np.linspace(0.0, 1.5, 31)])  # eV; the first where none is told
 REACHES = 0.3, 500.0, 60  # robust sigmas that the mean signal may be of, where it shows most
-UNLIKE = 0.1  # share of a count by which no exponential tail is exact
+UNLIKE = 0.1  # share of a count by which no smooth tail is exact
 TYPICAL = 1e-3, 30.0  # fraction of the pixels; mean signal in robust sigmas, where these are most
 
 

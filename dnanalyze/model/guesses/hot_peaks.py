@@ -11,13 +11,13 @@ from scipy.ndimage import label
 
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.guesses.evidence import histogram, shows
+from dnanalyze.model.guesses.hot_counts import UNLIKE
 from dnanalyze.significance import CLEAR
 
 FEWEST = 20.0  # hot pixels that show how they are spread
 BIN = 0.1  # of ln DN: the bins of the measured histogram beyond 12 standard deviations
 REACH = 6  # bins to either side that tell the tail: a factor of 1.8, in which few tails bend
 APART = 2  # bins to either side that belong to a peak
-UNLIKE = 0.1  # share of the tail by which no smooth one is exact
 SIGNS = *(f"hot_count_{k}" for k in (5, 8, 16)), "pattern_q0.99", "pattern_q0.999"
 
 

@@ -21,7 +21,7 @@ from dnanalyze.model.effects.dark_shot_noise import DarkShotNoise
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.persistence import Persistence
 from dnanalyze.model.effects.read_noise import ReadNoise
-from dnanalyze.model.guesses.cosmic_rays import waiting
+from dnanalyze.model.guesses.cosmic_rays import readout_time
 from dnanalyze.thermal import arrhenius
 
 
@@ -156,11 +156,11 @@ def test_the_time_of_the_readout_is_guessed_from_the_hits_over_exposure():
     """Hits of one a second and megapixel: exposures of 0 to 300 s, 40 s of readout."""
     rng = np.random.default_rng(8)
     seconds, area = np.array([0.0, 0.0, 60.0, 300.0]), np.full(4, 4.0)
-    found = [waiting(rng.poisson(area * (seconds + 40.0)), area, seconds) for _ in range(200)]
+    found = [readout_time(rng.poisson(area * (seconds + 40.0)), area, seconds) for _ in range(200)]
     assert np.mean(found) == pytest.approx(40.0, rel=0.05)
-    none = [waiting(rng.poisson(area * seconds), area, seconds) for _ in range(200)]
+    none = [readout_time(rng.poisson(area * seconds), area, seconds) for _ in range(200)]
     assert np.count_nonzero(none) < 10  # 2.5 standard deviations: .6 %
-    assert waiting(np.array([5.0, 7.0]), area[:2], np.full(2, 30.0)) == 0.0  # one exposure
+    assert readout_time(np.array([5.0, 7.0]), area[:2], np.full(2, 30.0)) == 0.0  # one exposure
 
 
 def test_tracks_are_as_long_as_told_in_any_direction():
