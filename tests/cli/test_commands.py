@@ -125,6 +125,7 @@ def test_a_report_and_a_table_are_written(command, folder, calls, tmp_path):
 def test_processed_frames_are_drawn_beside_the_raw_ones(folder, calls, tmp_path):
     page = tmp_path / "out.html"
     other = write_captures(fakes.captures(), tmp_path / "processed")
+    assert main(["analyze", str(folder), "--with", str(other), "-q"]) == 2
     assert main(["analyze", str(folder), "--with", str(other), "--report", str(page), "-q"]) == 0
     assert "Left: sensor; right: processed" in page.read_text()
 

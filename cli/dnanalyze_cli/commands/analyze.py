@@ -41,6 +41,8 @@ def analyze(
     if system_gain is not None and not 0 < system_gain < float("inf"):
         raise InputError(f"--system-gain {system_gain:g}: it must be above 0 DN/e⁻")
     session = options.session("analyze", cache=not no_cache)
+    if beside is not None and session.report is None:
+        raise InputError("--with: it is drawn in the report; name one with --report OUT.html")
     found = options.load(session)
     with session.progress("Reading frames") as tick:
         statistics = run(found, progress=tick, scheduler=scheduler, system_gain=system_gain)
