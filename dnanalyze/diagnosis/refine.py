@@ -16,7 +16,7 @@ from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Refinement, Step
 from dnanalyze.diagnosis.score_test import score_tests
 from dnanalyze.diagnosis.search_path import NO_LIMITS, Path, SearchLimits
-from dnanalyze.diagnosis.selection import STANDS_IN, confidence_of
+from dnanalyze.diagnosis.selection import STANDS_IN, TOLERABLE, UNFINISHED, confidence_of
 from dnanalyze.diagnosis.stepwise import Search, supported
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.fit import fit_on, starting_model, with_seed
@@ -140,7 +140,9 @@ def refine_on(
     try:
         path = search.run(state, exclude)
     except TimeUp:
-        return replace(_so_far(captures, so_far[-1]), timed_out=True)
+        found = replace(_so_far(captures, so_far[-1]), timed_out=True)
+        doubt = found.steps[-1].error > TOLERABLE
+        return replace(found, steps=doubted(found.steps, UNFINISHED)) if doubt else found
     ended = FittedModel.of(unlimited, path.state)
     found = judge(
         captures,
@@ -162,10 +164,7 @@ def refine_on(
             found = replace(found, verdict="unexplained")
     steps = list(path.steps)
     if found.verdict == "unexplained":  # what stays unexplained, an effect may stand in for
-        steps = [
-            s if s.confidence is None else replace(s, confidence=s.confidence * STANDS_IN)
-            for s in steps
-        ]
+        steps = doubted(steps, STANDS_IN)
     return replace(
         _so_far(captures, replace(path, state=ended.state, problem=ended.problem)),
         steps=steps,
@@ -174,6 +173,13 @@ def refine_on(
         timed_out=limit.over,
         classification=classification,
     )
+
+
+def doubted(steps: Sequence[Step], share: float) -> list[Step]:
+    """Steps whose confidence is that share of what it was."""
+    return [
+        s if s.confidence is None else replace(s, confidence=s.confidence * share) for s in steps
+    ]
 
 
 def _so_far(captures: CaptureSet, path: Path) -> Refinement:

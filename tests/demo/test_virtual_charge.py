@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from demo_stacks import CALM, COLD, HOT, added, stack
+from scipy.stats import kstest
 
 from dnanalyze.demo.charge import CHARGE
 from dnanalyze.demo.hidden import Moment, Scene, generator
@@ -117,6 +118,14 @@ def test_charge_of_storage_nodes_grows_until_the_row_is_read(upward):
     assert halves[0] == pytest.approx(halves[1], rel=0.05)
     cold = excess("storage_dark_current", COLD, **numbers) / CALM.exposure_s
     np.testing.assert_allclose((cold[::-1] if upward else cold) * arrhenius(HOT, 0.6, COLD), q)
+
+
+def test_generation_is_exponential_over_all_pixels():
+    numbers = {"e": 30.0, "activation_ev": 0.6}
+    q = excess("dark_current_fpn", **numbers) / 30.0
+    assert kstest(q.ravel(), "expon").statistic < 1.95 / math.sqrt(PIXELS)  # once in a thousand
+    cold = excess("dark_current_fpn", COLD, **numbers) / 30.0
+    np.testing.assert_allclose(cold * arrhenius(HOT, 0.6, COLD), q)
 
 
 def test_cosmic_rays_bring_their_charge_once():

@@ -13,7 +13,7 @@ from dnanalyze.model.guesses.evidence import shows
 
 
 def guess(effect: type[DarkCurrentFpn], clues: Clues) -> list[Effect]:
-    """Either law, of nearly all of the relative standard deviation of the dark signal.
+    """Each law, of nearly all of the relative standard deviation of the dark signal.
 
     That is the growth of the pattern over that of the level, from the lowest level to the highest.
     Its offsets add to both patterns, so that it lies between the growth of the standard deviation
@@ -32,4 +32,4 @@ def guess(effect: type[DarkCurrentFpn], clues: Clues) -> list[Effect]:
     straight = pattern[high] - pattern[low]
     squared = math.sqrt(pattern[high] ** 2 - pattern[low] ** 2)
     rms = math.sqrt((1.0 - LEFT**2) * straight * squared) / grown
-    return [effect.within(rms=rms, law=law) for law in ("normal", "gamma")]
+    return [effect.within(rms=rms, law=law) for law in ("normal", "gamma", "exponential")]

@@ -1,4 +1,4 @@
-"""Dark current of normal or gamma distribution: moments, quantiles, what it scales, its guess."""
+"""Dark current of normal, gamma or exponential distribution: moments, quantiles, what it scales, its guess."""
 
 import numpy as np
 import pytest
@@ -16,6 +16,7 @@ PIXELS = SHAPE[0] * SHAPE[1]
 LAWS = {
     "normal": lambda rms: stats.norm(1.0, rms),
     "gamma": lambda rms: stats.gamma(1 / rms**2, scale=rms**2),
+    "exponential": lambda rms: stats.expon(1.0 - rms, rms),
 }
 
 
@@ -40,6 +41,23 @@ def test_it_is_a_share_of_the_dark_charge_alone():
     assert noise.std() == pytest.approx(5.0, rel=5 / np.sqrt(2 * PIXELS))
 
 
+@pytest.mark.parametrize("law", LAWS)
+def test_its_standard_deviation_has_an_activation_energy_of_its_own(law):
+    """Differences of 0.3 eV less than the mean shrink over it as the sensor warms."""
+    rms = 0.2
+    y = frames((flat(20.0), DarkCurrentFpn(rms, law, ea_ev=-0.3)), SHAPE, point=WARM)[0]
+    there = rms / growth(0.3)
+    assert y.std() / y.mean() == pytest.approx(there, rel=4 / np.sqrt(2 * PIXELS) * (1 + 9 * rms))
+    assert stats.kstest((y / y.mean()).ravel(), LAWS[law](there).cdf).statistic < 2.5 / 256
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_spread_beyond_the_mean_stays_a_charge(law):
+    y = frames((flat(20.0), DarkCurrentFpn(2.0, law, ea_ev=1.0)), SHAPE, point=WARM)[0]
+    assert np.isfinite(y).all()
+    assert y.min() >= 0.0
+
+
 def test_no_charge_is_negative():
     y = frames((flat(100.0), DarkCurrentFpn(1.0)), SHAPE)[0]
     assert y.min() == 0.0
@@ -59,6 +77,15 @@ def test_beside_it_the_seed_keeps_its_mean_and_spread():
     assert stats.skew(after.ravel()) < 0.3 * stats.skew(before.ravel())
 
 
+def test_beside_an_exponential_law_the_median_stays():
+    alone = ConvolvedLognormal(mu=4.0, delta=0.2, phi=0.0, sigma=1e-6)
+    guess = DarkCurrentFpn(0.2, "exponential")
+    model = unbiased(NoiseModel((alone,), 0.0, HERE), guess, 5.0)
+    assert model is not None
+    before, after = (np.median(frames(m, SHAPE)[0]) for m in (alone, (*model.effects, guess)))
+    assert after == pytest.approx(before, rel=0.02)
+
+
 def clues(relative, offsets=1.0, stands_out=("pattern_q0.99",)):
     level = np.array([5.0, 5.0 * growth(0.6)])
     pattern = np.hypot(offsets, relative * level)
@@ -70,9 +97,10 @@ def clues(relative, offsets=1.0, stands_out=("pattern_q0.99",)):
 
 @pytest.mark.parametrize("offsets", [0.1, 2.0])
 def test_it_is_guessed_from_the_growth_of_the_pattern(offsets):
-    normal, gamma = DarkCurrentFpn.guess(clues(0.15, offsets))
-    assert (normal.law, gamma.law) == ("normal", "gamma")
-    assert normal.rms == gamma.rms == pytest.approx(0.15, rel=0.25)
+    guesses = DarkCurrentFpn.guess(clues(0.15, offsets))
+    assert [g.law for g in guesses] == list(LAWS)
+    for guess in guesses:
+        assert guess.rms == pytest.approx(0.15, rel=0.25)
 
 
 def test_no_guess_without_a_sign_or_a_growth():
