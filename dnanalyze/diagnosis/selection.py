@@ -39,8 +39,7 @@ OUTSIDE = 0.05
 # effect of the catalogue, and 0 of 24 where the effect is in none.
 STANDS_IN = 0.5
 # Of 27 effects named with 0.9 or more on ten real cameras before the time was up, while the model
-# was far from the captures, 23 are seen in the frames without a model; the highest confidence, 0.95,
-# is then 0.85.
+# was far from the captures, 23 are seen in the frames without a model: 0.95 becomes 0.85.
 UNFINISHED = 0.9
 
 

@@ -206,8 +206,7 @@ class Search:
         if found.state is begun.state:
             return begun, replace(found, state=state)
         there = carried(found.state, coarse.problem, self.problem)
-        near = self.problem.scaled_as(by_design(coarse.problem, found.state.model))
-        return begun, self._converged(replace(found, state=there, converged=False), near)
+        return begun, self._converged(replace(found, state=there, converged=False))
 
     def _begun(self, state: State) -> Path:
         """The starting model, noted and kept; whatever the time, since it is the least answer."""
@@ -395,21 +394,20 @@ class Search:
             self._kept(path)
         return path
 
-    def _converged(self, path: Path, near: FitProblem | None = None) -> Path:
+    def _converged(self, path: Path) -> Path:
         """Everything at its optimum, and what is then superfluous gone.
 
         The error of the last step, which the baseline effects share, is that of the new state; an
-        effect that raises it is taken out (`_undone`). ``near``: the problem by the yardstick of a
-        part of the field, of the first fit to the whole of it. A later fit with which the error
-        rises is not taken: the loss of one simulated sensor has several minima along parameters of
-        which the fitted half shows little, such as those of a glow in a corner of the other half.
+        effect that raises it is taken out (`_undone`). A fit with which the error rises is not
+        taken: the loss of one simulated sensor has several minima along parameters of which the
+        fitted half shows little, such as those of a glow in a corner of the other half.
         """
         if path.converged:
             return path
-        there = near or by_design(self.problem, path.state.model)
+        there = by_design(self.problem, path.state.model)
         state = fitted_in(there, self.problem, path.state, converge)
         error, last = self._error(state), path.steps[-1]
-        if near is None and way(path.error, error) == "rises":
+        if way(path.error, error) == "rises":
             state, error = path.state, path.error
         steps = [
             replace(s, error=error, model=state.model)
@@ -421,7 +419,7 @@ class Search:
         path = replace(path, state=state, steps=tuple(steps), converged=True, refused=refused)
         last = steps[-1]
         if last.added in self._added(state) and last.error > steps[-2].error:
-            return self._converged(self._undone(path), near)
+            return self._converged(self._undone(path))
         self._kept(path)
         return self._reduced(path)
 
@@ -480,11 +478,11 @@ class Search:
 
     def _errors(self, states: Sequence[State]) -> list[float]:
         """Model errors by the yardstick of the last of the models."""
-        own = FittedModel.of(self.problem, states[-1])
         if self.whole is None:
+            own = FittedModel.of(self.problem, states[-1])
             rest = [expressed(s, self.problem, own.problem) for s in states[:-1]]
             return [*(error_of(own.problem, s) for s in rest), own.error]
-        there = self.whole.scaled_as(own.problem)
+        there = by_design(self.whole, states[-1].model)
         return [error_of(there, carried(s, self.problem, there)) for s in states]
 
     def _at_home(self, state: State, null: FittedModel) -> State:
@@ -500,8 +498,8 @@ class Search:
     def _as_stated(self, state: State) -> tuple[FitProblem, State]:
         """The whole field and a state by the yardstick of its error, whatever the time."""
         untimed = self.problem.within(TimeLimit())
-        own = FittedModel.of(untimed, state)
         if self.whole is None:
+            own = FittedModel.of(untimed, state)
             return own.problem, own.state
-        there = self.whole.scaled_as(own.problem).within(TimeLimit())
+        there = by_design(self.whole.within(TimeLimit()), state.model)
         return there, carried(state, untimed, there)
