@@ -201,7 +201,8 @@ class Search:
             begun = self._begun(state)
             return begun, self._with_baseline(begun, exclude)
         coarse = replace(self, problem=replace(part, even=False), whole=self.problem)
-        begun = coarse._begun(carried(state, self.problem, coarse.problem))
+        untimed = coarse.problem.within(TimeLimit())
+        begun = coarse._begun(carried(state, self.problem, untimed))
         found = coarse._while_plain(coarse._with_baseline(begun, exclude))
         if found.state is begun.state:
             return begun, replace(found, state=state)
@@ -210,7 +211,8 @@ class Search:
 
     def _begun(self, state: State) -> Path:
         """The starting model, noted and kept; whatever the time, since it is the least answer."""
-        untimed = replace(self, problem=self.problem.within(TimeLimit()))
+        whole = None if self.whole is None else self.whole.within(TimeLimit())
+        untimed = replace(self, problem=self.problem.within(TimeLimit()), whole=whole)
         path = untimed._noted(Path(state), state, None)
         self._kept(path)
         return path
