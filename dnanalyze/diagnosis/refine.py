@@ -140,9 +140,9 @@ def refine_on(
     try:
         path = search.run(state, exclude)
     except TimeUp:
-        found = replace(_so_far(captures, so_far[-1]), timed_out=True)
-        doubt = found.steps[-1].error > TOLERABLE
-        return replace(found, steps=doubted(found.steps, UNFINISHED)) if doubt else found
+        left = replace(_so_far(captures, so_far[-1]), timed_out=True)
+        doubt = left.steps[-1].error > TOLERABLE
+        return replace(left, steps=doubted(left.steps, UNFINISHED)) if doubt else left
     ended = FittedModel.of(unlimited, path.state)
     found = judge(
         captures,

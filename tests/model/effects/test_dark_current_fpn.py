@@ -1,4 +1,4 @@
-"""Dark current of normal, gamma or exponential distribution: moments, quantiles, what it scales, its guess."""
+"""Dark current of normal, gamma or exponential law: moments, quantiles, its scale, its guess."""
 
 import numpy as np
 import pytest
