@@ -27,6 +27,7 @@ class Model:
         p = context.palette
         self.style = [inner(p)]
         self._drawn: Any = None
+        self._adopted: NoiseModel | None = None
         self._moved = ""
         self._failing = False
         self._resting: Any = None
@@ -80,6 +81,8 @@ class Model:
     def _draw(self) -> None:
         session = self.context.session
         model = session.present.model
+        if self.context.draft not in (None, model) and model == self._adopted:
+            return  # the slider has moved on from what was adopted when it rested
         self.context.draft = None
         present = set(model.names)
         self.loading.visible = False
@@ -216,6 +219,7 @@ class Model:
 
     def _rested(self) -> None:
         self._resting = None
-        model, name = self.context.draft, self._moved
+        self._adopted = model = self.context.draft
+        name = self._moved
         if model is not None:
             self.context.act(lambda: self.context.session.adopt(model, f"set {name}"))
