@@ -40,6 +40,27 @@ def test_parts_taken_one_by_one_are_the_same_simulation(problem, fitted):
             )
 
 
+def test_a_simulation_ends_within_a_part_once_it_is_no_longer_asked_for(problem, fitted):
+    job, looks = problem._job(fitted, None), []
+
+    def over():
+        looks.append(0)
+        return len(looks) > 2
+
+    assert job.threads == 1
+    with pytest.raises(Superseded):
+        Interruptible(over).statistics([job], Memo(0))
+    assert len(looks) == 3  # before the first part, and after its first two frames
+
+
+def test_a_slider_that_rests_lets_a_simulation_begin_at_once(problem, fitted):
+    measurements = made(problem)
+    measurements.moved()
+    assert measurements.moving
+    measurements.rested()
+    assert measurements.now(fitted).error == judged(problem, fitted).error
+
+
 def test_a_simulation_ends_where_a_slider_has_just_moved(problem, fitted):
     measurements = made(problem)
     measurements.moved()
