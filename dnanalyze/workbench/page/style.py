@@ -61,7 +61,7 @@ def layout() -> str:
 :host { display:grid !important; gap:6px; padding:4px 6px 6px;
   height:calc(100vh + 216px) !important;
   box-sizing:border-box; grid-template-columns:minmax(0, 1fr) 372px 352px;
-  grid-template-rows:34px max-content minmax(280px, 34fr) minmax(450px, 53fr) 210px;
+  grid-template-rows:34px max-content minmax(280px, 34fr) minmax(475px, 53fr) 210px;
   grid-template-areas:'bar bar bar' 'strip strip strip' 'sensor sensor sensor'
     'fails model missing' 'history history history'; }
 @media (min-width:2200px) { :host { grid-template-columns:minmax(0, 1fr) 560px 520px; } }
