@@ -97,6 +97,7 @@ class Measurements:
         self._yardstick: FitProblem | None = None
         self._wanted: Evaluation | None = None
         self._working = False
+        self._judging = False
         self._asked: NoiseModel | None = None
         self._failing: list[NoiseModel] = []  # whose yardstick raises
         self._moved_s = -math.inf
@@ -146,7 +147,12 @@ class Measurements:
         with self._lock:
             found = next((e for e in self._kept if e.model == model), None)
         assert self._yardstick is not None
-        found = found or judged(self._yardstick, model, made)
+        if found is None:
+            self._judging = True  # yardsticks wait: they take the same processors
+            try:
+                found = judged(self._yardstick, model, made)
+            finally:
+                self._judging = False
         self._keep(found)
         return found
 
@@ -205,10 +211,12 @@ class Measurements:
         """
         assert self._bench is not None
         for number in range(REPLICATES):
-            while self._busy():
-                if self._closed.wait(LOOK_S) or self._wanted is not known:
+            if not self.rest():
+                return None
+            while self._busy() or self._judging:
+                if self._closed.wait(LOOK_S):
                     return None
-            if not self.rest() or self._wanted is not known:
+            if self._wanted is not known:
                 return None
             self._bench.replicate(known.model, number)
         return exact(self._bench, known)

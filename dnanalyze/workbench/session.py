@@ -202,9 +202,9 @@ class WorkbenchSession:
 
     def adopt(self, model: NoiseModel, action: str) -> None:
         """A model that was set by hand as a new node."""
-        self._measurements.rested()
         self._put(model, action)
         self.changed("history")
+        self._measurements.rested()
         self._measure()
 
     def _put(self, model: NoiseModel, action: str) -> None:
