@@ -70,7 +70,11 @@ class Model:
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        if what == "history" and self.context.session.history is not None:
+        session, draft = self.context.session, self.context.draft
+        if what != "history" or session.history is None:
+            return
+        moved_on = draft not in (None, session.present.model)
+        if not (moved_on and session.present.model == self._adopted):  # it keeps its move
             self._draw()
 
     def _add(self) -> None:
@@ -81,8 +85,6 @@ class Model:
     def _draw(self) -> None:
         session = self.context.session
         model = session.present.model
-        if self.context.draft not in (None, model) and model == self._adopted:
-            return  # the slider has moved on from what was adopted when it rested
         self.context.draft = None
         present = set(model.names)
         self.loading.visible = False
