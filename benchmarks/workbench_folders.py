@@ -19,7 +19,6 @@ from pathlib import Path
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import Window
-from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
 from dnanalyze.workbench.jobs import Job
 from dnanalyze.workbench.session import WorkbenchSession
@@ -48,8 +47,8 @@ def shown(session: WorkbenchSession) -> str:
     """What the frame viewer holds: every operating point's first frame, reduced for the screen."""
     captures = session.captures
     for number in range(len(captures.settings)):
-        image = frames.image(captures, View(number))
-        frames.for_screen(image, Window.whole(image.shape), SCREEN)
+        whole = Window.whole(captures.sensor.shape)
+        session.pictures.picture(View(number), whole, None, SCREEN, False)
     rows, columns = captures.sensor.shape
     return f"{len(captures.settings)} points, {captures.frame_count} frames {columns} x {rows}"
 

@@ -15,6 +15,7 @@ from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulated_by
 from dnanalyze.model.simulator import Simulator
+from dnanalyze.progress import Progress
 
 THREADS = 2  # parts taken at a time
 # Pixels of a simulation from which threads, or a process, are worth their cost. Most statistics are
@@ -85,9 +86,13 @@ class Job:
         return self.half in (None, part[1])
 
     def statistics(
-        self, parts: Iterable[Part], memo: Memo, threads: int = 1
+        self,
+        parts: Iterable[Part],
+        memo: Memo,
+        threads: int = 1,
+        progress: Progress | None = None,
     ) -> list[list[SettingStatistics]]:
-        """Statistics of the colour planes of each part."""
+        """Statistics of the colour planes of each part; ``progress`` is told every frame."""
         simulator = Simulator(self.model.in_codes, self.sensor.shape, memo)
         made = simulated_by(simulator, self.settings, sensor=self.sensor)
 
@@ -96,8 +101,9 @@ class Job:
             alone = replace(made, settings=(made.settings[setting],))
             families = () if self._wanted(part) else ("shading",)
             (seen,) = analyze_windows(
-                alone, [self.windows[half]], workers=1, errors=self.errors, families=families
-            )
+                alone, [self.windows[half]], workers=1, errors=self.errors, families=families,
+                progress=progress,
+            )  # fmt: skip
             return list(seen.settings)
 
         if threads == 1:

@@ -38,12 +38,18 @@ class Simulator:
     memo : Memo
         Fields kept between calls; may be shared by simulators of like models (common random
         numbers make their differences smooth in the parameters).
+
+    Notes
+    -----
+    ``_maps`` keeps what belongs to a window, ``_shared`` what belongs to the whole field; without
+    the latter ``_maps`` keeps both.
     """
 
     model: NoiseModel
     shape: tuple[int, int]
     memo: Memo = field(default_factory=Memo)
     _maps: Memo = field(default_factory=Memo)
+    _shared: Memo | None = None
 
     def frame(self, point: OperatingPoint, number: int, window: Window | None = None) -> np.ndarray:
         """Pixels of a frame, DN, float32; a pure function of its arguments and the model."""
@@ -147,7 +153,8 @@ class Simulator:
             return self._maps.get((effect.name, point, window, name), make)
 
         def share(name: str, make: Callable[[], Any]) -> Any:
-            return self._maps.once((effect.name, point, name), make)
+            shared = self._maps if self._shared is None else self._shared
+            return shared.once((effect.name, point, name), make)
 
         return Site(
             self.shape, window, point, reference, number, root.child("silicon"), frame_stream, keep,

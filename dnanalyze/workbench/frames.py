@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numba import njit
 
-from dnanalyze.loaders.captures import CaptureSet, Window
-from dnanalyze.report.fields import over_frames, side_of
+from dnanalyze.loaders.captures import CaptureSet, Frame, Sensor, Window
+from dnanalyze.report.fields import over_frames
 
 Kind = Literal["frame", "mean", "temporal noise"]
 KINDS: tuple[Kind, ...] = ("frame", "mean", "temporal noise")
@@ -43,18 +44,42 @@ class View:
     plane: str = ""
 
 
-def image(captures: CaptureSet, view: View) -> np.ndarray:
+def image(
+    captures: CaptureSet,
+    view: View,
+    window: Window | None = None,
+    look: Callable[[], None] = lambda: None,
+) -> np.ndarray:
     """The image of a view, DN, float32, (rows, columns) of the frame or of the colour plane.
 
     "mean" is the mean over frames; "temporal noise" their standard deviation (ddof 1), NaN for
     a single frame. Both take ``MOST_FRAMES`` frames at most.
+
+    Parameters
+    ----------
+    captures : CaptureSet
+    view : View
+    window : Window, optional
+        Of the frame or of the colour plane; all of it by default.
+    look : callable
+        Called before each frame.
     """
-    frames = captures.settings[view.setting].frames
+    cfa = captures.sensor.cfa
+    site = None if window is None else _on_sensor(window, view.plane, captures.sensor)
+
+    def part(frame: Frame) -> Frame:
+        def load(_: Window | None) -> np.ndarray:
+            look()
+            return frame.read(site)
+
+        return replace(frame, load=load)
+
+    frames = [part(frame) for frame in captures.settings[view.setting].frames]
     if view.kind == "frame":
         found = frames[view.frame % len(frames)].read().astype(np.float32)
     else:
         found = over_frames(frames[:MOST_FRAMES], view.kind == "temporal noise")
-    return plane_of(found, view.plane, captures.sensor.cfa)
+    return np.ascontiguousarray(plane_of(found, view.plane, cfa))
 
 
 def planes(cfa: tuple[tuple[str, ...], ...] | None) -> list[str]:
@@ -73,25 +98,26 @@ def plane_of(pixels: np.ndarray, plane: str, cfa: tuple[tuple[str, ...], ...] | 
     return pixels
 
 
+def _on_sensor(window: Window, plane: str, sensor: Sensor) -> Window:
+    """The part of the frame that holds a window of a colour plane; itself for ""."""
+    if not plane or sensor.cfa is None:
+        return window
+    down, across = len(sensor.cfa), len(sensor.cfa[0])
+    bottom = min(window.bottom * down, sensor.shape[0])
+    right = min(window.right * across, sensor.shape[1])
+    return Window(window.top * down, bottom, window.left * across, right)
+
+
 def _sites(cfa: tuple[tuple[str, ...], ...]) -> list[tuple[int, int, str]]:
     return [(r, c, colour) for r, row in enumerate(cfa) for c, colour in enumerate(row)]
 
 
-def block_means(pixels: np.ndarray, window: Window, most: int) -> tuple[np.ndarray, int]:
-    """A window of an image with at most ``most`` rows and columns.
+def block_means(pixels: np.ndarray, side: int) -> np.ndarray:
+    """Mean of each block of ``side`` x ``side`` pixels.
 
-    Returns
-    -------
-    means : ndarray
-        Mean of each block of ``side`` x ``side`` pixels, an odd number, which a pattern of period 2
-        survives; those at the lower and the right edge may
-        hold fewer pixels.
-    side : int
+    Those at the lower and the right edge may hold fewer pixels.
     """
-    rows, columns = window.slices
-    cut = pixels[rows, columns]
-    side = side_of(cut.shape, most)
-    return (cut, 1) if side == 1 else (_blocks(cut, side), side)
+    return pixels if side == 1 else _blocks(pixels, side)
 
 
 @njit(cache=True, nogil=True)
@@ -129,6 +155,10 @@ class Outliers:
     columns: np.ndarray
     values: np.ndarray
     count: int
+
+    def moved(self, down: int, across: int) -> Outliers:
+        """The same at another place of the image."""
+        return replace(self, rows=self.rows + down, columns=self.columns + across)
 
 
 def outliers(pixels: np.ndarray, window: Window, most: int) -> Outliers:

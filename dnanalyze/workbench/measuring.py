@@ -5,11 +5,13 @@ Simulations for them end where a slider moves on: they take the processors from 
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from threading import Event, RLock, Thread
+from typing import Any
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.fitting.problem import FitProblem
@@ -21,9 +23,8 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.evaluation import Evaluation, exact, judged
 
 KEPT = 4  # evaluations held, some 10 MB each at 5 operating points of 512 x 512
-REST_S = 0.2  # without a move, before an error that was given up is begun anew
-CALM_S = 0.6  # the same before a yardstick is begun
-LOOK_S = 0.05  # between two looks whether it may be
+REST_S = 0.6  # without a move, from which a slider rests, where the page has not said so
+LOOK_S = 0.05  # between two looks whether it does
 
 
 class Superseded(Exception):
@@ -31,7 +32,7 @@ class Superseded(Exception):
 
 
 class Interruptible(Helpers):
-    """Threads that end a simulation at the next operating point when it is no longer asked for.
+    """Threads that end a simulation at the next frame when it is no longer asked for.
 
     Parameters
     ----------
@@ -59,12 +60,15 @@ class Interruptible(Helpers):
         parts = job.parts()
 
         def one(part: Part) -> list[SettingStatistics]:
-            if self._over():
-                raise Superseded
-            return job.statistics([part], memo)[0]
+            self._look()
+            return job.statistics([part], memo, progress=self._look)[0]
 
         with ThreadPoolExecutor(job.threads) as pool:
             return dict(zip(parts, pool.map(one, parts), strict=True))
+
+    def _look(self, *_: Any) -> None:
+        if self._over():
+            raise Superseded
 
 
 class Measurements:
@@ -93,9 +97,10 @@ class Measurements:
         self._yardstick: FitProblem | None = None
         self._wanted: Evaluation | None = None
         self._working = False
+        self._judging = False
         self._asked: NoiseModel | None = None
         self._failing: list[NoiseModel] = []  # whose yardstick raises
-        self._moved_s = 0.0
+        self._moved_s = -math.inf
         self._closed = Event()
 
     def begin(self, problem: FitProblem) -> None:
@@ -103,7 +108,12 @@ class Measurements:
         self._bench = self._yardstick = replace(problem, helpers=Interruptible(self._given_up))
 
     def _given_up(self) -> bool:
-        return self._closed.is_set() or time.monotonic() - self._moved_s < REST_S
+        return self._closed.is_set() or self.moving
+
+    @property
+    def moving(self) -> bool:
+        """Whether a slider moves: whatever else takes long waits for its rest."""
+        return time.monotonic() - self._moved_s < REST_S
 
     def close(self) -> None:
         """Compute no more yardsticks."""
@@ -113,10 +123,14 @@ class Measurements:
         """A slider moves: what is simulated for errors ends, and begins again when it rests."""
         self._moved_s = time.monotonic()
 
-    def rest(self, seconds: float = REST_S) -> bool:
-        """Wait until no slider has moved for some time; False where no error is asked for."""
-        while (left := self._moved_s + seconds - time.monotonic()) > 0.0:
-            if self._closed.wait(min(left, LOOK_S)):
+    def rested(self) -> None:
+        """The slider rests."""
+        self._moved_s = -math.inf
+
+    def rest(self) -> bool:
+        """Wait until no slider moves; False where no error is asked for."""
+        while self.moving:
+            if self._closed.wait(LOOK_S):
                 return False
         return not self._closed.is_set()
 
@@ -133,7 +147,12 @@ class Measurements:
         with self._lock:
             found = next((e for e in self._kept if e.model == model), None)
         assert self._yardstick is not None
-        found = found or judged(self._yardstick, model, made)
+        if found is None:
+            self._judging = True  # yardsticks wait: they take the same processors
+            try:
+                found = judged(self._yardstick, model, made)
+            finally:
+                self._judging = False
         self._keep(found)
         return found
 
@@ -192,10 +211,12 @@ class Measurements:
         """
         assert self._bench is not None
         for number in range(REPLICATES):
-            while self._busy():
-                if self._closed.wait(LOOK_S) or self._wanted is not known:
+            if not self.rest():
+                return None
+            while self._busy() or self._judging:
+                if self._closed.wait(LOOK_S):
                     return None
-            if not self.rest(CALM_S) or self._wanted is not known:
+            if self._wanted is not known:
                 return None
             self._bench.replicate(known.model, number)
         return exact(self._bench, known)

@@ -204,6 +204,7 @@ class WorkbenchSession:
         """A model that was set by hand as a new node."""
         self._put(model, action)
         self.changed("history")
+        self._measurements.rested()
         self._measure()
 
     def _put(self, model: NoiseModel, action: str) -> None:
@@ -259,8 +260,13 @@ class WorkbenchSession:
         return self._prepared().evaluate(model)
 
     def moved(self) -> None:
-        """A slider moves: previews go before full errors, until it rests."""
+        """A slider moves: previews go before whole fields, until it rests."""
         self._measurements.moved()
+
+    @property
+    def moving(self) -> bool:
+        """Whether a slider moves."""
+        return self._measurements.moving
 
     def _prepared(self) -> Preview:
         """Previews by the change from the last model with a full error; none waits for another."""

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
+from dnanalyze.report.fields import side_of
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
 
@@ -43,8 +44,9 @@ def test_a_large_image_is_shown_by_block_means_and_its_hot_pixels_apart():
     pixels = np.random.default_rng(2).normal(0, 1, (512, 1024)).astype(np.float32)
     pixels[301, 777] = 900.0
     whole = Window.whole(pixels.shape)
-    shown, side = frames.block_means(pixels, whole, 128)
+    side = side_of(pixels.shape, 128)
     assert side == 9
+    shown = frames.block_means(pixels, side)
     blocks = pixels[:504, :1017].reshape(56, 9, 113, 9).mean(axis=(1, 3))
     np.testing.assert_allclose(shown[:56, :113], blocks, atol=1e-4)
     far = frames.outliers(pixels, whole, 10)
@@ -56,16 +58,16 @@ def test_a_large_image_is_shown_by_block_means_and_its_hot_pixels_apart():
 
 def test_block_means_show_a_pattern_of_two_columns():
     pixels = np.tile(np.float32([9.0, -9.0]), (64, 32))
-    shown, _ = frames.block_means(pixels, Window.whole(pixels.shape), 32)
+    shown = frames.block_means(pixels, side_of(pixels.shape, 32))
     np.testing.assert_allclose(np.abs(shown[:, :-1]), 3.0)
 
 
 def test_blocks_at_the_edges_are_means_of_the_pixels_that_they_hold():
     pixels = np.random.default_rng(5).normal(0, 1, (70, 33))
-    shown, side = frames.block_means(pixels, Window(1, 70, 0, 33), 30)
-    assert (side, shown.shape) == (3, (23, 11))
+    shown = frames.block_means(pixels[1:], 3)
+    assert shown.shape == (23, 11)
     assert shown[-1, -1] == pytest.approx(pixels[67:70, 30:33].mean())
-    shown, side = frames.block_means(pixels, Window(0, 70, 0, 32), 30)
+    shown = frames.block_means(pixels[:, :32], 3)
     assert shown[-1, -1] == pytest.approx(pixels[69:70, 30:32].mean())
 
 
@@ -76,14 +78,6 @@ def test_the_most_outliers_are_the_farthest():
     far = frames.outliers(pixels, Window(5, 50, 1, 50), 3)
     assert list(far.values) == [500.0, -400.0, 300.0]
     assert (list(far.rows), list(far.columns), far.count) == ([10] * 3, [1, 3, 2], 4)
-
-
-def test_a_window_that_fits_is_shown_as_it_is():
-    pixels = np.random.default_rng(3).normal(0, 1, (64, 64))
-    window = Window(10, 20, 5, 25)
-    shown, side = frames.block_means(pixels, window, 64)
-    assert side == 1
-    np.testing.assert_array_equal(shown, pixels[10:20, 5:25])
 
 
 def test_contrast_is_never_empty_and_no_hot_pixel_widens_it():

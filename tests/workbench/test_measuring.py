@@ -40,6 +40,28 @@ def test_parts_taken_one_by_one_are_the_same_simulation(problem, fitted):
             )
 
 
+def test_a_simulation_ends_within_a_part_once_it_is_no_longer_asked_for(problem, fitted):
+    job, looks = problem._job(fitted, 0), []
+    job = replace(job, settings=job.settings[:1], even=True)
+
+    def over():
+        looks.append(0)
+        return len(looks) > 2
+
+    assert len(job.parts()) == 1
+    with pytest.raises(Superseded):
+        Interruptible(over).statistics([job], Memo(0))
+    assert len(looks) == 3  # before the part, and after its first two frames
+
+
+def test_a_slider_that_rests_lets_a_simulation_begin_at_once(problem, fitted):
+    measurements = made(problem)
+    measurements.moved()
+    assert measurements.moving
+    measurements.rested()
+    assert measurements.now(fitted).error == judged(problem, fitted).error
+
+
 def test_a_simulation_ends_where_a_slider_has_just_moved(problem, fitted):
     measurements = made(problem)
     measurements.moved()
@@ -84,6 +106,31 @@ def test_what_a_simulation_raises_is_told_and_the_next_model_is_measured(
     assert told[-1].exact
     assert np.isfinite(told[-1].error)
     assert measurements.now(other.model) is told[-1]
+
+
+def test_a_yardstick_waits_for_the_error_of_the_present_model(problem, fitted, monkeypatch):
+    measurements = made(problem)
+    known = measurements.now(fitted)
+    begun, over, replicated = threading.Event(), threading.Event(), threading.Event()
+
+    def judging(*_):
+        begun.set()
+        over.wait(60)
+        return known
+
+    monkeypatch.setattr("dnanalyze.workbench.measuring.judged", judging)
+    monkeypatch.setattr(type(problem), "replicate", lambda *_: replicated.set())
+    monkeypatch.setattr("dnanalyze.workbench.measuring.exact", lambda *_: known)
+    other = replace(fitted, pedestal=fitted.pedestal + 1.0)
+    asking = threading.Thread(target=measurements.now, args=(other,))
+    asking.start()
+    assert begun.wait(60)
+    measurements.refine(known)
+    assert not replicated.wait(0.3)
+    over.set()
+    assert replicated.wait(60)
+    measurements.close()
+    asking.join()
 
 
 def test_an_earlier_model_becomes_exact_after_the_present_one(problem, fitted):

@@ -299,6 +299,22 @@ def test_frames_and_failures_are_seen_whole_on_a_page_of_900_pixels(bench):
     )
 
 
+def test_the_panes_take_the_height_that_a_long_verdict_leaves(bench):
+    strip = "[...Bokeh.index.roots][0].child_views[1].el"
+    pane = "[...Bokeh.index.roots][0].child_views[2].el.getBoundingClientRect()"
+    bench.page.evaluate(f"() => {{ {strip}.style.setProperty('min-height', '76px', 'important') }}")
+    try:
+        bench.until(
+            lambda: (
+                bench.page.evaluate(f"() => {strip}.offsetHeight") >= 76
+                and 700 < bench.page.evaluate(f"() => scrollY + {pane}.bottom") <= 900
+            ),
+            "the lower panes below a verdict of three lines",
+        )
+    finally:
+        bench.page.evaluate(f"() => {strip}.style.removeProperty('min-height')")
+
+
 def test_one_image_alone_is_as_wide_as_three_and_side_by_side_comes_back(bench):
     width = _box(bench, ".measured")[2]
     bench.click("swipe")

@@ -13,6 +13,7 @@ where the variance, having risen with the level, falls and stays low up to the h
 from __future__ import annotations
 
 import math
+from bisect import insort
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -201,12 +202,13 @@ def _collapse(noise: np.ndarray) -> int | None:
     is not the noisiest: shot noise rises. Not all need lie low: on a plateau too some pixels drift,
     and the readout's own charge lies above it.
     """
+    ordered = sorted(noise[:FEWEST])
     for begins in range(FEWEST, noise.size - FEWEST + 1):
-        before = noise[:begins]
-        limit = np.median(before) / FALL
+        limit = (ordered[(begins - 1) // 2] + ordered[begins // 2]) / 2 / FALL
+        insort(ordered, noise[begins])
         if noise[begins] > limit or np.mean(noise[begins:] <= limit) < PLATEAU_SHARE:
             continue
-        quarters = [np.median(part) for part in np.array_split(before, 4)]
+        quarters = [np.median(part) for part in np.array_split(noise[:begins], 4)]
         # of the last median's three bins the last
         return begins + 2 if max(quarters[1:]) >= quarters[0] else None
     return None

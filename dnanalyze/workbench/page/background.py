@@ -6,6 +6,8 @@ from collections.abc import Callable
 from threading import Lock, Thread
 from typing import Any
 
+from dnanalyze.workbench.measuring import Superseded
+
 Show = Callable[[Any], None]
 
 
@@ -13,7 +15,8 @@ class Latest:
     """Carries out the latest of many requests, one at a time, in a thread.
 
     Requests that arrive while one is carried out replace one another: a slider that moves faster
-    than a preview is computed skips the positions between.
+    than a preview is computed skips the positions between. Work that raises `Superseded` has no
+    result.
 
     Parameters
     ----------
@@ -26,6 +29,11 @@ class Latest:
         self._lock = Lock()
         self._waiting: tuple[Callable[[], Any], Show, Show] | None = None
         self._busy = False
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a request has come since what is carried out was begun."""
+        return self._waiting is not None
 
     def ask(self, work: Callable[[], Any], show: Show, failed: Show) -> None:
         """Carry out ``work`` in the thread, then ``show`` its result, or ``failed`` its error."""
@@ -45,6 +53,8 @@ class Latest:
                 (work, show, failed), self._waiting = self._waiting, None
             try:
                 found = work()
+            except Superseded:
+                continue
             except Exception as error:  # an effect of the user's may raise anything: it is shown
                 self._call(failed, error)
             else:

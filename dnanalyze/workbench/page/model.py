@@ -27,6 +27,7 @@ class Model:
         p = context.palette
         self.style = [inner(p)]
         self._drawn: Any = None
+        self._adopted: NoiseModel | None = None
         self._moved = ""
         self._failing = False
         self._resting: Any = None
@@ -69,7 +70,11 @@ class Model:
 
     def update(self, what: str) -> None:
         """Draw what has changed."""
-        if what == "history" and self.context.session.history is not None:
+        session, draft = self.context.session, self.context.draft
+        if what != "history" or session.history is None:
+            return
+        moved_on = draft not in (None, session.present.model)
+        if not (moved_on and session.present.model == self._adopted):  # it keeps its move
             self._draw()
 
     def _add(self) -> None:
@@ -216,6 +221,7 @@ class Model:
 
     def _rested(self) -> None:
         self._resting = None
-        model, name = self.context.draft, self._moved
+        self._adopted = model = self.context.draft
+        name = self._moved
         if model is not None:
             self.context.act(lambda: self.context.session.adopt(model, f"set {name}"))

@@ -19,6 +19,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.report.words import plural
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import View
+from dnanalyze.workbench.measuring import LOOK_S, Superseded
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.downloads import downloads
@@ -263,9 +264,17 @@ class Sensor:
         if fresh:
             self.images.wait()
 
+        def look() -> None:
+            """Give way to a newer request, and to a slider that moves; its own frame does not."""
+            while not self._latest.waiting:
+                if preview or not self.context.session.moving:
+                    return
+                time.sleep(LOOK_S)
+            raise Superseded
+
         def ask(model: NoiseModel | None) -> None:
             self._latest.ask(
-                lambda: self.pictures.picture(view, window, model, most, far),
+                lambda: self.pictures.picture(view, window, model, most, far, look),
                 lambda x: show(x, model),
                 lambda error: self.context.session.tell(str(error)),
             )

@@ -53,16 +53,20 @@ html, body {{ background:var(--bg); color:var(--ink); margin:0; min-height:100%;
 
 
 def layout() -> str:
-    """Style sheet of the page's panes: frames across, below them failures, model and diagnosis."""
+    """Style sheet of the page's panes: frames across, below them failures, model and diagnosis.
+
+    These fill the screen below the verdict, however many lines it has; the history follows.
+    """
     return """
-:host { display:grid !important; gap:6px; padding:4px 6px 6px; min-height:100vh;
+:host { display:grid !important; gap:6px; padding:4px 6px 6px;
+  height:calc(100vh + 216px) !important;
   box-sizing:border-box; grid-template-columns:minmax(0, 1fr) 372px 352px;
-  grid-template-rows:34px max-content clamp(290px, 34vh, 1000px) clamp(480px, 53vh, 1200px)
-    minmax(210px, 1fr);
+  grid-template-rows:34px max-content minmax(280px, 34fr) minmax(475px, 53fr) 210px;
   grid-template-areas:'bar bar bar' 'strip strip strip' 'sensor sensor sensor'
     'fails model missing' 'history history history'; }
 @media (min-width:2200px) { :host { grid-template-columns:minmax(0, 1fr) 560px 520px; } }
 @media (max-width:1279px) { :host { grid-template-columns:minmax(0, 1fr) 372px;
+  height:auto !important;
   grid-template-rows:34px max-content 600px 560px 420px 260px;
   grid-template-areas:'bar bar' 'strip strip' 'sensor sensor' 'fails model'
     'missing missing' 'history history'; } }
