@@ -37,21 +37,38 @@ def _compared(problem: FitProblem, effect: str, after: State, was: Halves, now: 
     halves = list(zip((problem.train.names, problem.test.names), was, now, strict=True))
     fitted, unseen = [(of, z / sd, z_now / sd_now) for of, (z, sd), (z_now, sd_now) in halves]
     wider = [2.0 * np.log(sd_now / sd) for _, (_, sd), (_, sd_now) in halves]
+    added = after.model.get(effect)
     fitted_gain, gain = (
-        float(np.sum(deviance(z) - deviance(z_now) - more))
-        for (_, z, z_now), more in zip((fitted, unseen), wider, strict=True)
+        _in_time(problem, added, half.setting, deviance(z) - deviance(z_now) - more)
+        for half, (_, z, z_now), more in zip(
+            (problem.train, problem.test), (fitted, unseen), wider, strict=True
+        )
     )
     families = problem.test.families
     error_was, error_now = (pooled(z, families) for z in unseen[1:])
     return Trial(
         effect,
         after,
-        *_witnessed(problem, after.model.get(effect), gain, fitted_gain),
+        *_witnessed(problem, added, gain, fitted_gain),
         pooled(after.test, families),
         error_was - error_now,
         overdispersion(*unseen),
         falls=np.concatenate([falls(*unseen), falls(*fitted)]),
     )
+
+
+def _in_time(
+    problem: FitProblem, effect: Effect | None, setting: np.ndarray, gains: np.ndarray
+) -> float:
+    """Sum of the gains of the statistics; ``setting``: number of the operating point of each.
+
+    A fixed pattern shows in a single frame what an effect does that is new in every frame. Where
+    some operating points have several frames, the others are evidence against such an effect only.
+    """
+    several = np.array([count > 1 for _, count in problem.plan.settings])[setting]
+    if effect is None or effect.varies != "temporal" or not several.any():
+        return float(np.sum(gains))
+    return float(np.sum(gains[several])) + min(0.0, float(np.sum(gains[~several])))
 
 
 def _witnessed(

@@ -8,8 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.gains import _witnessed, trial_by_prediction, trial_of
+from dnanalyze.diagnosis.gains import _in_time, _witnessed, trial_by_prediction, trial_of
 from dnanalyze.diagnosis.predictive_check import REPLICATES, FittedModel
+from dnanalyze.diagnosis.selection import EVIDENCE_ODDS_10
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import deviance, start
@@ -20,6 +21,7 @@ from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.effects.row_fpn import RowFpn
+from dnanalyze.model.effects.row_noise import RowNoise
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
 
@@ -102,3 +104,34 @@ def test_a_half_without_the_effect_is_evidence_against_it_only():
     assert _witnessed(problem, below, 30.0, -50.0) == (-20.0, -20.0)
     assert _witnessed(problem, above, 2.0, 30.0) == (30.0, 30.0)
     assert _witnessed(problem, above, -5.0, 30.0) == (25.0, 25.0)
+
+
+@pytest.mark.parametrize(
+    ("effect", "counts", "single", "expected"),
+    [
+        (RowNoise(), (1, 4), 7.0, 12.0),  # a fixed pattern has as much in a single frame
+        (RowNoise(), (1, 4), -7.0, 5.0),
+        (RowNoise(), (1, 1), 7.0, 19.0),  # nothing tells them apart
+        (RowNoise(), (2, 4), 7.0, 19.0),
+        (RowFpn(), (1, 4), 7.0, 19.0),
+        (None, (1, 4), 7.0, 19.0),
+    ],
+)
+def test_a_single_frame_is_no_evidence_for_what_is_new_in_every_frame(
+    effect, counts, single, expected
+):
+    plan = SimpleNamespace(settings=[(OperatingPoint(25.0), n) for n in counts])
+    setting, gains = np.array([0, 0, 1, 1]), np.array([single, 0.0, 9.0, 3.0])
+    assert _in_time(SimpleNamespace(plan=plan), effect, setting, gains) == expected
+
+
+def test_rows_of_single_frames_do_not_make_row_noise():
+    """Fixed rows, in a single frame at most operating points, are none that each frame has anew."""
+    counts = [(15.0, 1), (25.0, 1), (35.0, 1), (45.0, 2)]
+    points = [(OperatingPoint(t, 1.0, 1.0), n) for t, n in counts]
+    captures = simulate(of(RowFpn(4.0), seed=1), (128, 128), points)
+    problem = fit_problem(design(captures, pool=False))
+    null = null_of(problem, of(seed=20))
+    for effect, found in ((RowNoise(2.0), False), (RowFpn(4.0), True)):
+        after = null_of(problem, of(effect, seed=30)).state
+        assert (trial_of(null, effect.name, after).evidence > EVIDENCE_ODDS_10) is found
