@@ -86,15 +86,21 @@ def _dark_current_steps(
 
 
 def _generation_draw(sensor: VirtualSensor, amount: float, rng: Generator) -> Plain:
-    return {
-        "e": amount * sensor.spread_e(sensor.hottest_c),
-        "activation_ev": float(sensor.activation_ev * rng.uniform(0.5, 0.7)),
-    }
+    # Generation in depleted silicon has half of the activation energy of diffusion.
+    return {"share": amount, "less_ev": float(sensor.activation_ev * rng.uniform(0.1, 0.4))}
 
 
-def _generation(scene: Scene, rng: Generator, e: float, activation_ev: float) -> Step:
-    """D += Exp(e) in every pixel: one defect each in depleted silicon, beside diffusion."""
-    return _thermal_map(scene, rng.exponential(e, scene.shape), activation_ev)
+def _generation(scene: Scene, rng: Generator, share: float, less_ev: float) -> Step:
+    """D (1 + s (e - 1)), e ~ Exp(1), ``s`` = ``share`` at the highest temperature: of a pixel with
+    one defect of exponential strength, beside diffusion.
+    """
+    defect = rng.exponential(1.0, scene.shape)
+
+    def apply(rate: np.ndarray, now: Moment) -> np.ndarray:
+        part = min(1.0, share * now.thermal(-less_ev, scene.sensor.hottest_c))
+        return rate * (1.0 + part * (defect - 1.0))
+
+    return Step("rate", apply)
 
 
 def _rts_draw(sensor: VirtualSensor, amount: float, rng: Generator) -> Plain:
@@ -272,8 +278,8 @@ CHARGE = (
                  _cluster_draw, _hot_clusters),
     HiddenEffect("dark_current_steps", (3e-3, 0.015, 0.3), "atoms a pixel, each with 5 times the "
                  "spread of a hot frame", _steps_draw, _dark_current_steps),
-    HiddenEffect("dark_current_fpn", (1.0, 2.0, 5.0), "mean charge of a defect in each pixel over "
-                 "the spread of a hot frame", _generation_draw, _generation),
+    HiddenEffect("dark_current_fpn", (0.2, 0.4, 0.8), "share of the dark current from one defect "
+                 "in each pixel", _generation_draw, _generation),
     HiddenEffect("rts", (1e-3, 5e-3, 0.02), "fraction of the pixels, 6 times the noise or 3 times "
                  "the spread of a hot frame", _rts_draw, _rts),
     HiddenEffect("amp_glow", (0.5, 2.0, 8.0), "charge at the corner over the noise",

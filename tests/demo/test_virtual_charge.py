@@ -121,11 +121,12 @@ def test_charge_of_storage_nodes_grows_until_the_row_is_read(upward):
 
 
 def test_generation_is_exponential_over_all_pixels():
-    numbers = {"e": 30.0, "activation_ev": 0.6}
-    q = excess("dark_current_fpn", **numbers) / 30.0
-    assert kstest(q.ravel(), "expon").statistic < 1.95 / math.sqrt(PIXELS)  # once in a thousand
-    cold = excess("dark_current_fpn", COLD, **numbers) / 30.0
-    np.testing.assert_allclose(cold * arrhenius(HOT, 0.6, COLD), q)
+    numbers = {"share": 0.4, "less_ev": 0.1}
+    x = 1.0 + excess("dark_current_fpn", base=2.0, **numbers) / CALM.exposure_s / 2.0
+    assert kstest(x.ravel(), "expon", (0.6, 0.4)).statistic < 1.95 / math.sqrt(PIXELS)  # 1 in 1,000
+    cold = excess("dark_current_fpn", COLD, base=2.0, **numbers) / CALM.exposure_s / 2.0
+    part = min(1.0, 0.4 * arrhenius(COLD, -0.1, HOT))
+    np.testing.assert_allclose(cold, (x - 1.0) * part / 0.4, atol=1e-12)
 
 
 def test_cosmic_rays_bring_their_charge_once():
