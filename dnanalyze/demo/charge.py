@@ -86,7 +86,7 @@ def _dark_current_steps(
 
 
 def _generation_draw(sensor: VirtualSensor, amount: float, rng: Generator) -> Plain:
-    # Generation in depleted silicon has half of the activation energy of diffusion.
+    # Generation in depleted silicon: down to about half of the activation energy of diffusion.
     return {"share": amount, "less_ev": float(sensor.activation_ev * rng.uniform(0.1, 0.4))}
 
 

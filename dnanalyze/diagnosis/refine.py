@@ -142,7 +142,7 @@ def refine_on(
     except TimeUp:
         left = replace(_so_far(captures, so_far[-1]), timed_out=True)
         doubt = left.steps[-1].error > TOLERABLE
-        return replace(left, steps=doubted(left.steps, UNFINISHED)) if doubt else left
+        return replace(left, steps=_doubted(left.steps, UNFINISHED)) if doubt else left
     ended = FittedModel.of(unlimited, path.state)
     found = judge(
         captures,
@@ -164,7 +164,7 @@ def refine_on(
             found = replace(found, verdict="unexplained")
     steps = list(path.steps)
     if found.verdict == "unexplained":  # what stays unexplained, an effect may stand in for
-        steps = doubted(steps, STANDS_IN)
+        steps = _doubted(steps, STANDS_IN)
     return replace(
         _so_far(captures, replace(path, state=ended.state, problem=ended.problem)),
         steps=steps,
@@ -175,7 +175,7 @@ def refine_on(
     )
 
 
-def doubted(steps: Sequence[Step], share: float) -> list[Step]:
+def _doubted(steps: Sequence[Step], share: float) -> list[Step]:
     """Steps whose confidence is that share of what it was."""
     return [
         s if s.confidence is None else replace(s, confidence=s.confidence * share) for s in steps

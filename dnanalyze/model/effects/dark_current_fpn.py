@@ -11,7 +11,7 @@ import numpy as np
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.gamma import gamma_deviates
 
-LARGEST = 2.0  # relative standard deviation
+LARGEST = 2.0  # relative standard deviation to which `gamma_deviates` is accurate
 LEFT = 0.3  # of the seed's standard deviation, 9 % of its variance: a fit can move it either way
 
 
