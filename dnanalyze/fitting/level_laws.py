@@ -151,13 +151,18 @@ class _Laws:
         rises = np.maximum(np.diff(mu), 0.0)
         level = [float(foot)] if self.black is None else []
         least = [-np.inf, *np.zeros(len(rises)), *([-np.inf] if self.black is None else [])]
-        found = least_squares(
-            lambda x: (levels - self.at(x)) / tolerance,
-            [mu[0], *rises, *level],
-            bounds=(least, np.inf),  # no dark signal falls as the sensor warms
-            loss="soft_l1",  # one session of another black level is not to move all others
-            x_scale="jac",
-            max_nfev=200,
-        )
-        black = np.full(len(levels), found.x[-1]) if self.black is None else self.black
-        return black, np.asarray(levels - self.at(found.x))
+        found = np.array([mu[0], *rises, *level])
+        # One session of another black level is not to move all others. Of laws with the same sum
+        # of absolute deviations, which the first loss does not tell apart, the second takes that
+        # with fewer levels off.
+        for loss in ("soft_l1", "cauchy"):
+            found = least_squares(
+                lambda x: (levels - self.at(x)) / tolerance,
+                found,
+                bounds=(least, np.inf),  # no dark signal falls as the sensor warms
+                loss=loss,
+                x_scale="jac",
+                max_nfev=200,
+            ).x
+        black = np.full(len(levels), found[-1]) if self.black is None else self.black
+        return black, np.asarray(levels - self.at(found))

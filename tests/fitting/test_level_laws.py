@@ -96,8 +96,7 @@ def test_no_dark_signal_falls_as_the_sensor_warms():
     seen = levels(points, rate=0.01)
     seen[1] += 20.0
     rest = beyond_laws(points, seen, np.full(len(points), 0.1))
-    # its signal is at most that of 20 C, 1 DN, or, with 20 C off by as much more, that of 35 C,
-    # 3.2 DN: both have the least sum of absolute deviations
-    assert 16.9 < rest[1] < 20.1
-    assert rest[1] - rest[2] == pytest.approx(19.3, abs=0.2)
-    assert np.abs(rest[[0, 3, 4, 5, 6, 7]]).max() < 0.1
+    # its signal is at most that of 20 C, 1 DN; with 20 C off by as much more, it could be that of
+    # 35 C, 3.2 DN: the same sum of absolute deviations, with two levels off in place of one
+    assert rest[1] == pytest.approx(19.3, abs=0.2)
+    assert np.abs(np.delete(rest, 1)).max() < 0.1
