@@ -78,15 +78,16 @@ def test_a_session_has_a_black_level_of_its_own_and_the_others_share_theirs():
 
 
 def test_a_share_of_a_large_signal_is_no_other_black_level():
-    bright = levels(SERIES, rate=400.0)
+    points = [OperatingPoint(t, e) for t in (-10.0, 5.0, 20.0, 35.0) for e in (0.0, 1.0, 3.0, 10.0)]
+    bright = levels(points, rate=400.0)
     signal = bright - 100.0
-    off = np.zeros(len(SERIES))
-    off[8] = 0.06 * signal[8]  # a thermometer .6 C off
-    noise, still = np.full(len(SERIES), 4.0), np.maximum(0.01 * signal, 0.1)
-    assert off[8] > 10 * noise[8]
-    assert session_levels(SERIES, bright + off, noise, still) is None
-    _, moved = session_levels(SERIES, bright + 5.0 * off, noise, still)
-    assert moved[8]
+    off = np.zeros(len(points))
+    off[11] = 0.06 * signal[11]  # a thermometer .6 C off
+    noise, still = np.full(len(points), 4.0), np.maximum(0.01 * signal, 0.1)
+    assert off[11] > 10 * noise[11]
+    assert session_levels(points, bright + off, noise, still) is None
+    _, moved = session_levels(points, bright + 5.0 * off, noise, still)
+    assert moved.tolist() == [i == 11 for i in range(len(points))]
 
 
 def test_no_dark_signal_falls_as_the_sensor_warms():
