@@ -8,7 +8,10 @@ import pytest
 from dnanalyze.demo import tiny
 from dnanalyze.diagnosis.diagnose import diagnose_on
 from dnanalyze.diagnosis.refine import refine_on
-from dnanalyze.diagnosis.search_path import SearchLimits
+from dnanalyze.diagnosis.results import Step
+from dnanalyze.diagnosis.search_path import Path, SearchLimits
+from dnanalyze.diagnosis.selection import TOLERABLE, UNFINISHED
+from dnanalyze.diagnosis.stepwise import Search
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
@@ -47,6 +50,21 @@ def test_without_time_the_starting_model_is_the_answer(captures):
     assert found.parameters
     assert all(math.isnan(p.se) for p in found.parameters)
     found.problem.fitted_z(found.model)  # what is done with the result has no limit
+
+
+@pytest.mark.parametrize(("error", "share"), [(TOLERABLE, 1.0), (TOLERABLE + 0.1, UNFINISHED)])
+def test_names_of_an_unfinished_search_far_from_the_captures_are_less_certain(
+    captures, monkeypatch, error, share
+):
+    def stopped(search, state, exclude):
+        steps = (Step(None, 9.0), Step("column_fpn", error, 0.95))
+        search.on_path(Path(state, steps, problem=search.problem))
+        raise TimeUp
+
+    monkeypatch.setattr(Search, "run", stopped)
+    found = refine_on(captures, budget=PLENTY, classifier=False)
+    assert found.timed_out
+    assert [s.confidence for s in found.steps] == [None, pytest.approx(0.95 * share)]
 
 
 def test_what_is_known_directly_is_stated_without_time_too(captures):
