@@ -22,7 +22,8 @@ from dnanalyze.model.noise_model import NoiseModel
 
 # Squared misfit between two predictions: a likelihood ratio of e^(1/2) at most
 INDISTINGUISHABLE = 1.0
-UNTRIED = ("bits", "step", "spacing")  # properties of the converter and the mosaic, not forms
+# Properties of the converter, the mosaic and the pixels, not forms
+UNTRIED = ("bits", "step", "spacing", "shared")
 
 
 def completed(problem: FitProblem, found: Trial) -> State:

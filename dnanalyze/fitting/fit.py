@@ -33,6 +33,7 @@ from dnanalyze.fitting.moments import (
     less,
     moments,
     serial_correlation,
+    shared_pixels,
 )
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.readings import Readings
@@ -301,13 +302,14 @@ def baseline_model(problem: FitProblem, beside: Effect | None = None) -> NoiseMo
     ``beside``: an effect whose share of them, where it tells one, is not the sensor's.
     """
     seen, sensor = Readings(problem.measured[0]), problem.plan.captures.sensor
-    bits, serial = converter_bits(seen, sensor.bits), serial_correlation(seen)
+    serial, serial2 = serial_correlation(seen)
+    read = {"serial": serial, "serial2": serial2, "shared": shared_pixels(seen)}
     found = at_a_glance(problem)
     known = problem.direct.gains_at(found.reference.gain)
     gain = next((k.value for k in known if k.source == TRANSFER), None)
     if beside is not None:
         found = less(found, beside, problem.plan.shape)
-    made = baseline_by_moments(found, bits, serial, gain)
+    made = baseline_by_moments(found, converter_bits(seen, sensor.bits), read, gain)
     return replace(made, unit=problem.plan.unit)
 
 

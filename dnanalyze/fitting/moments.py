@@ -265,6 +265,24 @@ def serial_correlation(readings: Readings) -> tuple[float, float]:
     return float(np.clip(along, -0.4, 0.4)), float(np.clip(second, -0.4, 0.4))
 
 
+def shared_pixels(readings: Readings) -> str:
+    """Rows x columns of pixels that share an amplifier, as `read_noise` has it.
+
+    Those whose temporal variances are correlated in pairs, over all operating points; colours of a
+    mosaic are no neighbours.
+    """
+    if max(map(len, readings.planes)) > 1:
+        return "1x1"
+
+    def pairs(lines: str) -> int:
+        value, error = (of(f"noise_shared_{lines}") for of in (readings.value, readings.error))
+        told = np.isfinite(value)
+        found = np.sum(value[told] / error[told] ** 2)
+        return 2 if found > CLEAR * math.sqrt(np.sum(error[told] ** -2.0)) else 1
+
+    return f"{pairs('rows')}x{pairs('columns')}"
+
+
 def temperature_knots(temperatures: list[float]) -> list[float]:
     """The coldest, the warmest, and those between that are `NEAR_C` from the knots beside them."""
     ordered = sorted(set(temperatures))

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from scipy.optimize import nnls
@@ -63,16 +66,15 @@ def _paper(m: Moments) -> NoiseModel:
 def baseline_by_moments(
     m: Moments,
     bits: int = 16,
-    serial: tuple[float, float] = (0.0, 0.0),
+    read: Mapping[str, Any] = MappingProxyType({}),
     gain: float | None = None,
 ) -> NoiseModel:
     """The log-normal seed with the four baseline effects, by moments.
 
     The seed's mean follows a table over temperature, its spread and kernel are constant; shot and
     read noise are slope and intercept of temporal variance over signal, pixel offsets what remains
-    of the pattern where there is no signal. ``bits`` are the converter's, ``serial`` the
-    correlations of the noise of a pixel with the one read before, and the one before that; ``gain``
-    is that of photon transfer, DN/e-, where the frames tell it.
+    of the pattern where there is no signal. ``bits`` are the converter's; ``read`` is what else of
+    read noise is measured; ``gain`` is that of photon transfer, DN/e-, where the frames tell it.
     """
     known = built_in()
     weight = 1.0 / np.maximum(m.total, 1e-6)
@@ -100,8 +102,7 @@ def baseline_by_moments(
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
         known["read_noise"](  # type: ignore[call-arg]
             sigma=math.sqrt(max(floor - ROUNDING_VARIANCE, 0.01)),
-            serial=serial[0],
-            serial2=serial[1],
+            **read,
         ),
         known["pixel_fpn"](sigma=math.sqrt(max(offsets, 1e-3))),  # type: ignore[call-arg]
         known["quantization"](bits=bits),  # type: ignore[call-arg]

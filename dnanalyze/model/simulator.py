@@ -11,6 +11,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effect import Effect, Site, Stage
+from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.laws import value_at
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
@@ -65,6 +66,12 @@ class Simulator:
         return next((e for e in self.model.effects if e.name == "dark_shot_noise"), None)
 
     @cached_property
+    def _shared_pixels(self) -> tuple[int, int]:
+        """Rows and columns of the pixels that share an amplifier."""
+        read = next((e for e in self.model.effects if isinstance(e, ReadNoise)), None)
+        return (1, 1) if read is None else read.shared_pixels
+
+    @cached_property
     def _roots(self) -> dict[str, Stream]:
         """Random numbers of every effect, by its name."""
         root = Stream.from_seed(self.model.seed)
@@ -85,7 +92,7 @@ class Simulator:
         if memo is None or not _ends_charge(count, chain):
             return self._applied(count, chain, point, number, window)
         at = self.shape, self.model.seed, self.model.reference_of(point.channel), point, number
-        key = (*at, window, *chain[:count])
+        key = (*at, window, self._shared_pixels, *chain[:count])
         made = memo.get(key, lambda: self._applied(count, chain, point, number, window))
         return np.array(made)  # what follows may write into it
 
@@ -158,7 +165,7 @@ class Simulator:
 
         return Site(
             self.shape, window, point, reference, number, root.child("silicon"), frame_stream, keep,
-            draw, calibration, share, self._dn_per_e(point, reference),
+            draw, calibration, share, self._dn_per_e(point, reference), self._shared_pixels,
         )  # fmt: skip
 
     def _dn_per_e(self, point: OperatingPoint, reference: OperatingPoint) -> float | None:

@@ -51,6 +51,8 @@ class Site:
         As ``keep``, for what does not depend on the window: all parts of the frame get the same.
     dn_per_e : float, optional
         Conversion gain of the model's `dark_shot_noise` here, DN/e-; None where it counts none.
+    shared : tuple of int
+        Rows and columns of the pixels that share an amplifier, by the model's `read_noise`.
     """
 
     shape: tuple[int, int]
@@ -65,6 +67,7 @@ class Site:
     calibration: Callable[[int, float], np.ndarray] = _no_calibration
     share: Callable[[str, Callable[[], Any]], Any] = _not_kept
     dn_per_e: float | None = None
+    shared: tuple[int, int] = (1, 1)
 
     @property
     def silicon(self) -> Stream:
@@ -105,6 +108,46 @@ class Site:
             (rows, columns), float32.
         """
         return self.field(self.fixed_stream.child(name), "uniform")
+
+    def amplifiers(self, kind: str, name: str = "") -> np.ndarray:
+        """Field of the silicon with a number for each amplifier, float32.
+
+        Parameters
+        ----------
+        kind : str
+            "normal" or "uniform".
+        name : str
+            Another name is another field.
+
+        Returns
+        -------
+        ndarray
+            (rows, columns), float32; the same for pixels that share an amplifier.
+        """
+        stream, window = self.fixed_stream.child(name), self.window
+        if self.shared == (1, 1):
+            return self.field(stream, kind)
+        down, across = self.shared
+        top, left = window.top // down, window.left // across
+        few = Window(top, -(-window.bottom // down), left, -(-window.right // across))
+        each: np.ndarray = getattr(stream, kind)(few, self._amplifiers_across)
+        every = each.repeat(down, axis=0).repeat(across, axis=1)
+        return every[
+            window.top - top * down : window.bottom - top * down,
+            window.left - left * across : window.right - left * across,
+        ]
+
+    def amplifier_at(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """Index of the amplifier of pixels, by row and column in the full frame.
+
+        That of the pixel, row x width + column, where none is shared.
+        """
+        down, across = self.shared
+        return rows // down * self._amplifiers_across + columns // across
+
+    @property
+    def _amplifiers_across(self) -> int:
+        return -(-self.shape[1] // self.shared[1])
 
     def normal(self, name: str = "") -> np.ndarray:
         """Standard normal field of this frame over the window, float32.

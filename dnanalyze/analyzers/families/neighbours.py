@@ -41,6 +41,7 @@ __all__ = ["INFOS", "finish"]
 SMALLEST_SIDE = 8  # pixels
 _FEWEST_FRAMES = 3  # whose scatter tells something
 _RANK_SD = 9 * 0.157  # of 9 P_max for n exchangeable pixels, times sqrt(n)
+BANDS = 16  # of rows, whose scatter is the error of what clusters of pixels make
 _ROOT_FLOOR = 0.375  # variance of a count that may be 0
 
 
@@ -110,11 +111,45 @@ def finish(acc: Accumulated) -> FamilyResult:
         _ranks("temporal", ranks, result)
         _correlations("temporal", lags, result)
         _local_variances(tiles, result)
+        _shared_noise(acc, result)
     else:
         why = "one frame does not separate DSNU and temporal noise"
         result.missing["neighbours"] = why
     _halos(acc, result)
     return result
+
+
+def _shared_noise(acc: Accumulated, result: FamilyResult) -> None:
+    """Whether pixels are noisy together in pairs that begin at even lines.
+
+    By v / (v + typical), which few noisy pixels do not govern. The correlation in the other pairs
+    is taken off by its size: clouds of noise correlate both alike, and interference of 8 columns a
+    period, whose variance has 4, correlates one as much as it anticorrelates the other. Means of
+    rows and columns are taken off first.
+    """
+    from dnanalyze.analyzers.kernels import pixel_loops
+
+    variance, typical = acc.temporal_variance, np.float32(acc.difference_sigma**2)
+    assert variance is not None
+    names = [f"noise_shared_{lines}" for lines in ("columns", "rows")]
+    bands = np.zeros((BANDS, 5))
+    if typical > 0:
+        pixel_loops.pair_products(variance / (variance + typical), bands)
+    sums = bands.sum(axis=0)
+    if not sums[4] > 0:
+        result.missing.update(dict.fromkeys(names, "all pixels are equally noisy"))
+        return
+    rows, columns = acc.plan.shape
+    for name, lines, k in zip(names, (columns, rows), (0, 2), strict=True):
+        across = rows * columns // lines
+        within, between = across * (lines // 2), across * ((lines - 1) // 2)
+        other = math.copysign(rows * columns / sums[4] / between, sums[k + 1])
+        each = bands[:, k] * (rows * columns / sums[4] / within) - bands[:, k + 1] * other
+        value = float(each.sum())
+        rest = each - value * bands[:, 4] / sums[4]
+        # at least that of products of independent pixels of unit variance
+        error = max(1.0 / within + 1.0 / between, float(rest @ rest) * BANDS / (BANDS - 1))
+        result.values[name] = Value(value, math.sqrt(error))
 
 
 def _ranks(part: str, sums: _Sums, result: FamilyResult) -> None:

@@ -89,6 +89,17 @@ INFOS: tuple[StatisticInfo, ...] = (
         "RTS pixels, heavy tails, or an edge-preserving denoise",
         low="the temporal noise is more uniform over the field than in the model",
     ),
+    *(
+        StatisticInfo(
+            f"noise_shared_{lines}", _FAMILY, "1",
+            f"correlation of the temporal variance of pixels in {lines} 2n and 2n + 1, less the "
+            f"size of that in {lines} 2n + 1 and 2n + 2",
+            high=f"pixels in {lines} 2n and 2n + 1 are noisy together more often than in the model: "
+            "they share an amplifier",
+            low=f"pixels in {lines} 2n and 2n + 1 are noisy together less often than in the model",
+        )
+        for lines in ("columns", "rows")
+    ),
     StatisticInfo(
         "hh_kurtosis", _FAMILY, "1", "excess kurtosis of the diagonal Haar band",
         high="the diagonal detail (finest Haar band) of the temporal noise has heavier tails "

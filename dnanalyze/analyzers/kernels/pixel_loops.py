@@ -329,6 +329,37 @@ def products(a, b):
 
 
 @njit(cache=True, nogil=True)
+def pair_products(values, out):
+    """Products of neighbours in a map, about the means of its rows and columns.
+
+    ``out`` (bands of rows, 5) gets the sums over the pairs of columns (0, 1), (2, 3), ..., over
+    those of (1, 2), (3, 4), ..., over the pairs of rows alike, and over pixels with themselves.
+    """
+    rows, columns = values.shape
+    down, along, mean = np.zeros(columns), np.zeros(rows), 0.0
+    for r in range(rows):
+        for c in range(columns):
+            along[r] += values[r, c]
+            down[c] += values[r, c]
+    for r in range(rows):
+        mean += along[r] / (rows * columns)
+        along[r] /= columns
+    down /= rows
+    above, here = np.zeros(columns), np.zeros(columns)
+    out[:] = 0.0
+    for r in range(rows):
+        band = out[r * out.shape[0] // rows]
+        for c in range(columns):
+            here[c] = values[r, c] - along[r] - down[c] + mean
+            band[4] += here[c] * here[c]
+            if r:
+                band[2 + (r + 1) % 2] += above[c] * here[c]
+        for c in range(1, columns):
+            band[(c + 1) % 2] += here[c - 1] * here[c]
+        above, here = here, above
+
+
+@njit(cache=True, nogil=True)
 def block_covariance(a, b, out):
     """Covariance of two sums over blocks, from their parts (row bands, column bands, k).
 

@@ -27,7 +27,8 @@ class NoisyPixels(Effect):
         "second population. In each of them the noise is Gaussian and independent from frame "
         "to frame. A telegraph signal has two levels instead and is correlated in time. The "
         "noise arises in the readout: it is the same at every exposure and temperature, and "
-        "is proportional to the analog gain. The quantiles of the temporal variance over "
+        "is proportional to the analog gain. Pixels that share an amplifier are noisy together "
+        "(`shared` of `read_noise`). The quantiles of the temporal variance over "
         "pixels show the population; the mean frame hardly does. If the other pixels have the "
         "read noise s, these have sqrt(1 + sigma^2 / s^2) times as much. Remedy: a map of "
         "noisy pixels, averages over frames."
@@ -71,7 +72,7 @@ class NoisyPixels(Effect):
 
     def _map(self, site: Site) -> np.ndarray:
         sigma = np.float32(self.value("sigma", site.point) * site.gain_ratio)
-        chosen = site.fixed_uniform("place") < np.float32(self.value("fraction", site.point))
+        chosen = site.amplifiers("uniform", "place") < np.float32(self.value("fraction", site.point))
         return sigma * chosen.astype(np.float32)
 
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import draws
-from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.serial import averaged, moving_average
 
 
@@ -28,14 +28,18 @@ class ReadNoise(Effect):
         "converter noise. It is new in every frame, white over the field, and does not grow with "
         "exposure or temperature, so it is what remains in the coldest and shortest frames. In "
         "DN it grows with the analog gain. In CMOS sensors each pixel has its own transistor, "
-        "so sigma may differ from pixel to pixel (`spread`). Where one amplifier reads pixel "
+        "so sigma may differ from pixel to pixel (`spread`). Small pixels share one: sigma, and the "
+        "noisy pixels and telegraph signals of the readout, are then common to 1 x 2, 2 x 1 or "
+        "2 x 2 of them, while the noise of each is its own, since they are read one after the "
+        "other (`shared`). Where one amplifier reads pixel "
         "after pixel, as in a CCD, double sampling and a limited bandwidth carry some of it over "
         "to the next pixel of the row (`serial`, either sign) and to the one after it "
         "(`serial2`). Averaging K frames divides it by "
         "sqrt(K); a higher analog gain lowers it in electrons."
     )
     formula: ClassVar[str] = (
-        "y_i += sigma e^(s n_i - s^2) N(0,1), n_i ~ N(0,1) fixed; rms over pixels = sigma; "
+        "y_i += sigma e^(s n_i - s^2) N(0,1), n_i ~ N(0,1) fixed, one an amplifier; rms over "
+        "pixels = sigma; "
         "pixels of a row that are read one after the other correlated by r_1, those two apart by "
         "r_2, those farther apart not"
     )
@@ -48,6 +52,8 @@ class ReadNoise(Effect):
         "temporal_noise",
         "noise_at_50",
         "temporal_psd_0.25_0.35",
+        "noise_shared_columns",
+        "noise_shared_rows",
     )
     confused_with: ClassVar[dict[str, str]] = {
         "dark_shot_noise": (
@@ -74,6 +80,16 @@ class ReadNoise(Effect):
     serial2: float = parameter(
         0.0, "1", -0.45, 0.45, "correlation with the pixel read before that one", "linear"
     )
+    shared: str = choice(
+        "1x1", "rows x columns of pixels that share an amplifier, from the corner of the frame",
+        "1x1", "1x2", "2x1", "2x2",
+    )  # fmt: skip
+
+    @property
+    def shared_pixels(self) -> tuple[int, int]:
+        """Rows and columns of the pixels that share an amplifier."""
+        rows, columns = self.shared.split("x")
+        return int(rows), int(columns)
 
     def inactive_parameters(self) -> tuple[str, ...]:
         """Correlations where there are none: pixels that are read side by side have none."""
@@ -88,7 +104,7 @@ class ReadNoise(Effect):
         if spread == 0 and not any(serial):
             return draws.add_normal(signal, sigma, key, site.window, site.shape[1])
         each = site.keep(
-            "map", lambda: np.float32(sigma) * np.exp(spread * (site.fixed_normal() - spread))
+            "map", lambda: np.float32(sigma) * np.exp(spread * (site.amplifiers("normal") - spread))
         )
         signal += each * (_one_after_another(serial, key, site) if any(serial) else site.normal())
         return signal

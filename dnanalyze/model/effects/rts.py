@@ -44,7 +44,9 @@ class Rts(Effect):
         "current (proportional to exposure, Arrhenius), and so do the switching rates. A "
         "single trap in the source follower's channel does the same at the readout, whatever "
         "the exposure (exposure: none, activation energy near 0); double sampling turns its "
-        "two levels into three about zero. Traps differ in energy, so the share of time in "
+        "two levels into three about zero, and pixels that share an amplifier share the trap "
+        "(`shared` of `read_noise`), each in a state of its own, since they are read one after the "
+        "other. Traps differ in energy, so the share of time in "
         "either level differs over pixels. Over the frames such a pixel is bimodal: its "
         "temporal variance is far above that of the others, in every part of the series. "
         "Averaging or dark subtraction does not remove it; a map of RTS pixels does. "
@@ -178,18 +180,22 @@ class Rts(Effect):
         below = occupancy if self.polarity == "centred" else None
         return add_telegraph(signal, at, step, states, below)
 
-    def _occupancy(self, index: np.ndarray, site: Site) -> np.ndarray:
+    def _occupancy(self, trap: np.ndarray, site: Site) -> np.ndarray:
         if self.occupancies == "spread":
-            return site.fixed_stream.child("occupancy").uniform_at(index)
-        return np.full(index.size, self.value("occupancy", site.point), np.float32)
+            return site.fixed_stream.child("occupancy").uniform_at(trap)
+        return np.full(trap.size, self.value("occupancy", site.point), np.float32)
 
     def _steps(self, site: Site) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Place in the window, index in the frame, step (DN), occupancy of the blinking pixels."""
-        u = site.fixed_uniform("where")
+        if self.exposure == "proportional":  # a defect of the photodiode, which no pixels share
+            site = replace(site, shared=(1, 1))
+        u = site.amplifiers("uniform", "where")
         p = np.float32(self.value("fraction", site.point))
         at = np.flatnonzero(u < p)
         rows, columns = np.divmod(at, site.window.shape[1])
-        index = (rows + site.window.top) * site.shape[1] + columns + site.window.left
+        rows, columns = rows + site.window.top, columns + site.window.left
+        index = rows * site.shape[1] + columns
+        trap = site.amplifier_at(rows, columns)
         scale = self.value("amplitude", site.point) * site.gain_ratio
         scale *= site.thermal(self.value("ea_ev", site.point))
         if self.exposure == "proportional":
@@ -199,10 +205,10 @@ class Rts(Effect):
         else:
             step = np.ones(at.size, np.float32)
         if self.polarity in ("both", "centred"):
-            down = site.fixed_stream.child("polarity").uniform_at(index) < 0.5
+            down = site.fixed_stream.child("polarity").uniform_at(trap) < 0.5
             step = np.where(down, -step, step)
         step = (np.float32(scale) * step).astype(np.float32)
-        return at, index, step, self._occupancy(index, site)
+        return at, index, step, self._occupancy(trap, site)
 
     def variance(self, point: OperatingPoint) -> float:
         """Over pixels and time, DN^2, at the reference: of A s, A the step, s the level."""
