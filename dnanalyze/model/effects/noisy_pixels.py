@@ -72,7 +72,9 @@ class NoisyPixels(Effect):
 
     def _map(self, site: Site) -> np.ndarray:
         sigma = np.float32(self.value("sigma", site.point) * site.gain_ratio)
-        chosen = site.amplifiers("uniform", "place") < np.float32(self.value("fraction", site.point))
+        chosen = site.amplifiers("uniform", "place") < np.float32(
+            self.value("fraction", site.point)
+        )
         return sigma * chosen.astype(np.float32)
 
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:

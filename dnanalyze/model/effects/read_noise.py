@@ -28,10 +28,10 @@ class ReadNoise(Effect):
         "converter noise. It is new in every frame, white over the field, and does not grow with "
         "exposure or temperature, so it is what remains in the coldest and shortest frames. In "
         "DN it grows with the analog gain. In CMOS sensors each pixel has its own transistor, "
-        "so sigma may differ from pixel to pixel (`spread`). Small pixels share one: sigma, and the "
-        "noisy pixels and telegraph signals of the readout, are then common to 1 x 2, 2 x 1 or "
-        "2 x 2 of them, while the noise of each is its own, since they are read one after the "
-        "other (`shared`). Where one amplifier reads pixel "
+        "so sigma may differ from pixel to pixel (`spread`). Small pixels share one (`shared`): "
+        "sigma, and the noisy pixels and telegraph signals of the readout, are then common to "
+        "1 x 2, 2 x 1 or 2 x 2 of them, while the noise of each is its own, since they are read "
+        "one after the other. Where one amplifier reads pixel "
         "after pixel, as in a CCD, double sampling and a limited bandwidth carry some of it over "
         "to the next pixel of the row (`serial`, either sign) and to the one after it "
         "(`serial2`). Averaging K frames divides it by "
@@ -52,8 +52,6 @@ class ReadNoise(Effect):
         "temporal_noise",
         "noise_at_50",
         "temporal_psd_0.25_0.35",
-        "noise_shared_columns",
-        "noise_shared_rows",
     )
     confused_with: ClassVar[dict[str, str]] = {
         "dark_shot_noise": (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -12,7 +13,8 @@ from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
 from dnanalyze.model.serial import averaged, moving_average
 
-RELATED = ("serial", 0.2), ("serial", -0.2), ("serial2", 0.2)  # forms tried where rows are white
+# Forms tried where rows are white, and columns alike
+RELATED = ("serial", 0.2), ("serial", -0.2), ("serial2", 0.2), ("alternating", 0.3)
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,9 @@ class RowNoise(Effect):
     physics: ClassVar[str] = (
         "All pixels of a row are sampled at the same instant. A disturbance of the supply, "
         "the ramp or the reference at that instant shifts the whole row; the next row has "
-        "another value. Rows that follow each other may share some of a slow disturbance "
+        "another value. Where even and odd columns have converters of their own, above and below "
+        "the field, as they have in many CMOS sensors, a part of it has either sign in turn along "
+        "the row (`alternating`). Rows that follow each other may share some of a slow disturbance "
         "(`serial`), and rows of the same field of an interlaced readout, or of the same bank of "
         "converters, some of theirs (`serial2`). It is visible to the eye at a tenth of the pixel "
         "noise. It does not grow with temperature or exposure and follows the analog gain. "
@@ -35,8 +39,8 @@ class RowNoise(Effect):
         "optically black pixels, which leaves 1/n of their noise; quieter supplies."
     )
     formula: ClassVar[str] = (
-        "y_ij += r_i;  r_i ~ N(0, sigma^2), new in every frame; correlation r_1 with the row "
-        "before, r_2 with the one before that, none farther"
+        "y_ij += sqrt(1 - a) r_i + sqrt(a) (-1)^j s_i;  r_i, s_i ~ N(0, sigma^2), new in every "
+        "frame; correlation r_1 with the row before, r_2 with the one before that, none farther"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Wei, Fu, Yang, Huang, A physics-based noise formation model for extreme low-light raw "
@@ -56,33 +60,46 @@ class RowNoise(Effect):
     serial2: float = parameter(
         0.0, "1", -0.45, 0.45, "correlation with the row before that one", "linear"
     )
+    alternating: float = parameter(
+        0.0, "1", 0.0, 1.0, "share of the variance with a sign that alternates along the row",
+        "linear",
+    )  # fmt: skip
 
     def inactive_parameters(self) -> tuple[str, ...]:
-        """Correlations where there are none."""
-        return tuple(name for name in ("serial", "serial2") if getattr(self, name) == 0)
+        """What is not there: correlations, a sign that alternates."""
+        names = ("serial", "serial2", "alternating")
+        return tuple(name for name in names if getattr(self, name) == 0)
 
     def relatives(self) -> list[Effect]:
-        """Rows that are correlated, where they are not, with either neighbour."""
-        if self.serial != 0 or self.serial2 != 0:
-            return []
-        return [replace(self, **{n: r}) for n, r in RELATED]
+        """Rows that are correlated, with either neighbour, and columns that alternate."""
+        correlated = self.serial != 0 or self.serial2 != 0
+        return [
+            replace(self, **{n: r})
+            for n, r in RELATED
+            if getattr(self, n) == 0 and not (correlated and n.startswith("serial"))
+        ]
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
-        signal += np.float32(sigma) * self._offsets(site)[:, None]
+        share = self.value("alternating", site.point)
+        signal += np.float32(sigma * math.sqrt(1.0 - share)) * self._offsets("rows", site)
+        if share:
+            sign = 1 - 2 * (site.column_index % 2).astype(np.float32)
+            each = np.float32(sigma * math.sqrt(share)) * self._offsets("alternating", site)
+            signal += each * sign
         return signal
 
-    def _offsets(self, site: Site) -> np.ndarray:
-        """Unit offsets of the window's rows, float32."""
-        stream = site.frame_stream.child("rows")
+    def _offsets(self, name: str, site: Site) -> np.ndarray:
+        """Unit offsets of the window's rows, float32, (rows, 1)."""
+        stream = site.frame_stream.child(name)
         serial = self.value("serial", site.point), self.value("serial2", site.point)
         if not any(serial):
-            return site.rows(stream)
+            return site.rows(stream)[:, None]
         weights = moving_average(*serial)
         top = max(0, site.window.top - weights.size + 1)
         white = stream.normal(Window(0, 1, top, site.window.bottom), site.shape[0])[0]
-        return averaged(white, weights, top == 0)[site.window.top - top :]
+        return averaged(white, weights, top == 0)[site.window.top - top :, None]
 
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2, DN^2."""

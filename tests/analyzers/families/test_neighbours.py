@@ -227,6 +227,32 @@ def test_the_halo_is_the_crosstalk(phi):
     assert abs(found["hot_halo_2"].value) < 4.5 * found["hot_halo_2"].se
 
 
+def test_pairs_that_are_noisy_together_correlate_as_a_plain_computation_has_it():
+    rng = np.random.default_rng(2)
+    rows, columns, count = 64, 47, 5
+    each = rng.lognormal(0.0, 0.6, (rows // 2, columns)).repeat(2, axis=0)
+    stack = [
+        (100 + each * rng.normal(0, 3, (rows, columns))).astype(np.float32) for _ in range(count)
+    ]
+    acc = accumulated(stack)
+    found = neighbours.finish(acc).values
+    v = np.var(np.array(stack, float), axis=0, ddof=1)
+    t = v / (v + acc.difference_sigma**2)
+    t = t - t.mean(axis=0) - t.mean(axis=1, keepdims=True) + t.mean()
+
+    def means(t):
+        both = t[:-1] * t[1:]
+        return both[::2].mean() / np.mean(t**2), both[1::2].mean() / np.mean(t**2)
+
+    for name, map_ in (("rows", t), ("columns", t.T)):
+        within, between = means(map_)
+        seen = found[f"noise_shared_{name}"]
+        assert seen.value == pytest.approx(within - abs(between), abs=1e-5)
+        assert seen.se >= np.sqrt(4.0 / t.size)
+    assert found["noise_shared_rows"].value > 10 * found["noise_shared_rows"].se
+    assert abs(found["noise_shared_columns"].value) < 5 * found["noise_shared_columns"].se
+
+
 def test_a_halo_needs_hot_pixels():
     image = np.random.default_rng(12).normal(size=(64, 64)).astype(np.float32)
     assert halo(image, 0.0, 1.0) == {}
@@ -294,7 +320,7 @@ def test_merging_equals_one_pass(cut, seed):
 def test_errors_are_those_of_independent_captures():
     captures = [sensor(np.random.default_rng((16, k)), hot=3e-3) for k in range(80)]
     ratios = scatter_over_error(neighbours, captures)
-    assert len(ratios) == 24
+    assert len(ratios) == 26
     for name, ratio in ratios.items():  # 8 % sampling error each, honest to 30 %
         assert 0.55 < ratio < 1.5, (name, ratio)
 

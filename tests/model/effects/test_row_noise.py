@@ -36,16 +36,34 @@ def test_rows_are_correlated_as_stated_with_two_neighbours_and_no_others(serial)
         assert seen == pytest.approx(expected, abs=6 / np.sqrt(r.size))
 
 
+@pytest.mark.parametrize("share", [0.3, 1.0])
+def test_even_and_odd_columns_have_rows_of_their_own_by_the_share_that_alternates(share):
+    noise = RowNoise(0.7, serial=0.3, alternating=share)
+    d = added(noise, count=3, shape=(8192, 4))
+    five = 6 / np.sqrt(d[:, :, 0].size)
+    even, odd = d[:, :, ::2].mean(axis=2), d[:, :, 1::2].mean(axis=2)
+    np.testing.assert_allclose(d[:, :, 0], even, atol=1e-4)
+    for r in (even, odd):
+        assert r.var() == pytest.approx(0.49, rel=2 * five)
+        assert np.mean(r[:, 1:] * r[:, :-1]) / 0.49 == pytest.approx(0.3, abs=2 * five)
+    assert np.mean(even * odd) / 0.49 == pytest.approx(1.0 - 2.0 * share, abs=2 * five)
+    assert noise.inactive_parameters() == ("serial2",)
+
+
 def test_a_window_has_the_rows_of_the_whole_frame():
-    whole = frames(RowNoise(0.7, 0.2, 0.3), count=1, shape=(64, 6))
+    noise = RowNoise(0.7, 0.2, 0.3, 0.4)
+    whole = frames(noise, count=1, shape=(64, 6))
     for window in (Window(0, 9, 0, 6), Window(1, 20, 0, 6), Window(33, 64, 2, 5)):
-        part = frames(RowNoise(0.7, 0.2, 0.3), count=1, shape=(64, 6), window=window)
+        part = frames(noise, count=1, shape=(64, 6), window=window)
         rows, columns = slice(window.top, window.bottom), slice(window.left, window.right)
         np.testing.assert_allclose(part, whole[:, rows, columns], atol=1e-6)
 
 
-def test_white_rows_have_forms_with_neighbours_and_those_no_others():
+def test_white_rows_have_forms_with_neighbours_or_alternating_and_those_the_other():
     forms = RowNoise(0.3).relatives()
-    assert {(f.serial, f.serial2) for f in forms} == {(0.2, 0.0), (-0.2, 0.0), (0.0, 0.2)}
-    assert RowNoise(0.3).inactive_parameters() == ("serial", "serial2")
-    assert all(f.sigma == 0.3 and not f.relatives() for f in forms)
+    numbers = {(f.serial, f.serial2, f.alternating) for f in forms}
+    assert numbers == {(0.2, 0, 0), (-0.2, 0, 0), (0, 0.2, 0), (0, 0, 0.3)}
+    assert RowNoise(0.3).inactive_parameters() == ("serial", "serial2", "alternating")
+    assert RowNoise(0.3, 0.1).relatives() == [RowNoise(0.3, 0.1, alternating=0.3)]
+    assert len(RowNoise(0.3, alternating=0.2).relatives()) == 3
+    assert RowNoise(0.3, 0.1, alternating=0.2).relatives() == []
