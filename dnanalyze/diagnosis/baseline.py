@@ -11,11 +11,17 @@ from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.from_part import converge, fitted
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASELINE, WANG
 
 BASELINE_REASON = (
     "baseline effect, present in every sensor: added with the other baseline effects, untested"
+)
+SHARED_REASON = (
+    "pixels of {0.shared} (rows x columns) share an amplifier: their temporal variances are "
+    "correlated, those of pixels across the groups are not"
 )
 FAR_OFF = 5.0  # loss per statistic beyond which the next effect moves all that is fitted here
 
@@ -43,6 +49,12 @@ def baseline_fitted(problem: FitProblem, begun: NoiseModel) -> State:
     """All baseline effects fitted together: without one of them the others take its share."""
     fit = partial(converge, hopeless=FAR_OFF, settled=DEFLATION, last=False)
     return fitted(problem, begun, fit)
+
+
+def reasons(effect: Effect) -> list[str]:
+    """Why a baseline effect is in a model, and in the form that it has."""
+    shared = isinstance(effect, ReadNoise) and effect.shared_pixels != (1, 1)
+    return [BASELINE_REASON, *([SHARED_REASON.format(effect)] if shared else [])]
 
 
 def new_in(model: NoiseModel, before: NoiseModel) -> list[str]:

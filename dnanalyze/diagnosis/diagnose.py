@@ -9,11 +9,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from dnanalyze.diagnosis.baseline import (
-    BASELINE_REASON,
     baseline_fitted,
     baseline_start,
     lacks_baseline,
     new_in,
+    reasons,
 )
 from dnanalyze.diagnosis.candidates import SoFar, by_standing, candidates_of, trials
 from dnanalyze.diagnosis.detectability import detection_limits
@@ -400,7 +400,7 @@ def _with_baseline_listed(
     listed = [
         Candidate(
             effect.name, null.error, share, chance, [],
-            [*evidence_for(null.problem, before.state, null.state, type(effect)), BASELINE_REASON],
+            [*evidence_for(null.problem, before.state, null.state, type(effect)), *reasons(effect)],
         )
         for name in new
         if (effect := baseline.model.get(name)) is not None

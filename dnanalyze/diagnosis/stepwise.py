@@ -15,12 +15,12 @@ from dataclasses import dataclass, replace
 
 from dnanalyze.comparator.error import ERROR_SCATTER, way
 from dnanalyze.diagnosis.baseline import (
-    BASELINE_REASON,
     baseline_fitted,
     baseline_start,
     far_off,
     lacks_baseline,
     new_in,
+    reasons,
 )
 from dnanalyze.diagnosis.candidates import (
     SoFar,
@@ -225,7 +225,9 @@ class Search:
         state = baseline_fitted(self.problem, begun)
         error = self._error(state)
         for name in new_in(state.model, path.state.model):
-            path = self._noted(path, state, name, why=[BASELINE_REASON], error=error)
+            effect = state.model.get(name)
+            assert effect is not None
+            path = self._noted(path, state, name, why=reasons(effect), error=error)
         self._kept(path)
         return path
 

@@ -6,13 +6,19 @@ import numpy as np
 import pytest
 
 from dnanalyze.demo import draw_sensor, generate
-from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start, lacks_baseline
+from dnanalyze.diagnosis.baseline import (
+    baseline_fitted,
+    baseline_start,
+    lacks_baseline,
+    reasons,
+)
 from dnanalyze.diagnosis.search_path import Path
 from dnanalyze.diagnosis.stepwise import Search
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import paper_start
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
+from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, BASELINE, WANG, built_in
 
@@ -67,3 +73,8 @@ def test_a_model_with_any_of_them_lacks_none():
     assert lacks_baseline(rounded)
     assert not lacks_baseline(rounded, exclude=BASELINE[:3])
     assert not lacks_baseline(model.with_effect(built_in()["read_noise"]()))
+
+
+def test_shared_amplifiers_are_told():
+    assert len(reasons(ReadNoise(1.0))) == 1
+    assert "2x1 (rows x columns) share an amplifier" in reasons(ReadNoise(1.0, shared="2x1"))[1]
