@@ -303,7 +303,8 @@ def baseline_model(problem: FitProblem, beside: Effect | None = None) -> NoiseMo
     """
     seen, sensor = Readings(problem.measured[0]), problem.plan.captures.sensor
     serial, serial2 = serial_correlation(seen)
-    read = {"serial": serial, "serial2": serial2, "shared": shared_pixels(seen)}
+    shared = shared_pixels([Readings(half) for half in problem.measured])
+    read = {"serial": serial, "serial2": serial2, "shared": shared}
     found = at_a_glance(problem)
     known = problem.direct.gains_at(found.reference.gain)
     gain = next((k.value for k in known if k.source == TRANSFER), None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -265,17 +266,21 @@ def serial_correlation(readings: Readings) -> tuple[float, float]:
     return float(np.clip(along, -0.4, 0.4)), float(np.clip(second, -0.4, 0.4))
 
 
-def shared_pixels(readings: Readings) -> str:
+def shared_pixels(halves: Sequence[Readings]) -> str:
     """Rows x columns of pixels that share an amplifier, as `read_noise` has it.
 
-    Those whose temporal variances are correlated in pairs, over all operating points; colours of a
-    mosaic are no neighbours.
+    Those whose temporal variances are correlated in pairs, over all operating points of all parts
+    of the field; colours of a mosaic are no neighbours.
     """
-    if max(map(len, readings.planes)) > 1:
+    if any(len(planes) > 1 for half in halves for planes in half.planes):
         return "1x1"
 
     def pairs(lines: str) -> int:
-        value, error = (of(f"noise_shared_{lines}") for of in (readings.value, readings.error))
+        name = f"noise_shared_{lines}"
+        value, error = (
+            np.concatenate([of(half, name) for half in halves])
+            for of in (Readings.value, Readings.error)
+        )
         told = np.isfinite(value)
         found = np.sum(value[told] / error[told] ** 2)
         return 2 if found > CLEAR * math.sqrt(np.sum(error[told] ** -2.0)) else 1

@@ -25,7 +25,7 @@ def problem_of(sigma, extra=0.0, seed=3):
 
 
 def found(*drawn):
-    return shared_pixels(Readings(problem_of(*drawn).measured[0]))
+    return shared_pixels([Readings(half) for half in problem_of(*drawn).measured])
 
 
 def noise_map(rows, columns, seed=5):
@@ -72,8 +72,19 @@ def stripes(period):
         (4.0, stripes(8.0)),
         (4.0, stripes(4.0)),
         (np.roll(noise_map(2, 2), (1, 1), axis=(0, 1)),),
+        (noise_map(4, 4),),
+        (noise_map(8, 8),),
     ],
-    ids=["clouds", "columns", "rows", "stripes of 8", "stripes of 4", "groups at odd lines"],
+    ids=[
+        "clouds",
+        "columns",
+        "rows",
+        "stripes of 8",
+        "stripes of 4",
+        "groups at odd lines",
+        "groups of 4",
+        "blocks of 8",
+    ],
 )
 def test_what_else_makes_neighbours_noisy_together_is_not_taken_for_it(drawn):
     assert found(*drawn) == "1x1"

@@ -122,10 +122,10 @@ def finish(acc: Accumulated) -> FamilyResult:
 def _shared_noise(acc: Accumulated, result: FamilyResult) -> None:
     """Whether pixels are noisy together in pairs that begin at even lines.
 
-    By v / (v + typical), which few noisy pixels do not govern. The correlation in the other pairs
-    is taken off by its size: clouds of noise correlate both alike, and interference of 8 columns a
-    period, whose variance has 4, correlates one as much as it anticorrelates the other. Means of
-    rows and columns are taken off first.
+    By v / (v + typical), which few noisy pixels do not govern, about the means of rows and columns.
+    Twice the size of the correlation in the other pairs is taken off: clouds of noise correlate
+    both alike, groups of four lines and more the others half as much, and interference of 8 columns
+    a period, whose variance has 4, correlates one as much as it anticorrelates the other.
     """
     from dnanalyze.analyzers.kernels import pixel_loops
 
@@ -143,12 +143,12 @@ def _shared_noise(acc: Accumulated, result: FamilyResult) -> None:
     for name, lines, k in zip(names, (columns, rows), (0, 2), strict=True):
         across = rows * columns // lines
         within, between = across * (lines // 2), across * ((lines - 1) // 2)
-        other = math.copysign(rows * columns / sums[4] / between, sums[k + 1])
+        other = math.copysign(2.0 * rows * columns / sums[4] / between, sums[k + 1])
         each = bands[:, k] * (rows * columns / sums[4] / within) - bands[:, k + 1] * other
         value = float(each.sum())
         rest = each - value * bands[:, 4] / sums[4]
         # at least that of products of independent pixels of unit variance
-        error = max(1.0 / within + 1.0 / between, float(rest @ rest) * BANDS / (BANDS - 1))
+        error = max(1.0 / within + 4.0 / between, float(rest @ rest) * BANDS / (BANDS - 1))
         result.values[name] = Value(value, math.sqrt(error))
 
 
