@@ -1,15 +1,46 @@
 """Where a correction's edge lies: the line x = a max + b that pixels do not cross.
 
-Of all lines the rule's own has the most of the control beyond it for the fewest pixels in their own
-rings: a higher one leaves out some of the control, a lower one is crossed by what survived.
+The slope of the ladder at which the tail ends most abruptly tells the rule coarsely. Between the
+steps of the ladder the rule's own line has the most of the control beyond it for the fewest pixels
+in their own rings: a higher one leaves out some of the control, a lower one is crossed by what
+survived.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from dnanalyze.detection.excess import SLOPES, Excess, StandingOut
+from dnanalyze.significance import NOTICEABLE, SIGN
+
 WEIGHT = 3.0  # of a pixel that crosses, in pixels of the control; sites beside replaced ones do
 CANDIDATES = 61
+LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which no edge is placed there
+LEFT = 0.05  # share of the tail that is nothing
+RUNG = 0.12  # of a bound: the steps of the ladder are of 10 %
+
+
+def coarse_line(out: StandingOut, noise: float) -> tuple[float, float] | None:
+    """Slope and bound of the rule (DN above the base); None where the tail ends nowhere abruptly.
+
+    Below the rule's own slope the bound falls as fast as the hottest survivors' neighbours are
+    hot; above it only as fast as neighbours rise above the base by noise.
+    """
+    bounds = [_end(top, noise) for top in out.sloped]
+    for k, slope in enumerate(SLOPES[:-1]):
+        quiet = NOTICEABLE * noise * (SLOPES[k + 1] - slope)  # no quiet neighbour rises by more
+        if np.isfinite(bounds[k]) and bounds[k] - bounds[k + 1] <= quiet + RUNG * bounds[k]:
+            return slope, bounds[k]
+    return None
+
+
+def _end(top: Excess, noise: float) -> float:
+    """The least bound, DN, beyond which (almost) nothing is left of a tail that is still there
+    elsewhere; infinite: none.
+    """
+    ends = (top.own < LEFT * top.control) & (top.control >= LEAST_SITES * top.frames)
+    ends &= top.bounds >= SIGN * noise
+    return float(top.bounds[ends][0]) if ends.any() else np.inf
 
 
 def bound_at(pairs: np.ndarray, slope: float) -> tuple[float, float]:

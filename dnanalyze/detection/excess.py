@@ -14,19 +14,20 @@ far below the median. So a few slopes find every such rule, and the least sharp 
 
 from __future__ import annotations
 
+import operator
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
-from numba import njit
 
+from dnanalyze.detection.ring import ring_maximum
 from dnanalyze.significance import CERTAIN
 
-CONTROLS = ((0, 8), (8, 0))  # and opposite: same row or column, same colour
+AWAY = 8  # pixels to the rings of the control: along the row and the column, of the same colour
 LADDER = np.concatenate([np.arange(0, 8, 0.25), np.geomspace(8, 4000, 64)])  # in units of the noise
 RATIOS = np.geomspace(1.0, 20.0, LADDER.size)  # crosstalk of 2 % forbids more than 42 by itself
-MOST_PAIRS = 1 << 13  # kept of a stack
 SLOPES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-RATIO = 0.0
+MOST_PAIRS = 1 << 13  # kept of a stack
 
 
 @dataclass(frozen=True)
@@ -49,74 +50,8 @@ class Excess:
     frames: int
 
     def __add__(self, other: Excess) -> Excess:
-        return Excess(
-            self.bounds, self.own + other.own, self.control + other.control,
-            max(self.frames, other.frames),
-        )  # fmt: skip
-
-
-@njit(cache=True, nogil=True)
-def _survival(
-    frame: np.ndarray, top: np.ndarray, skip: np.ndarray, reach: int, shifts: np.ndarray,
-    rules: np.ndarray, bounds: np.ndarray, base: float, floor: float, ceiling: float,
-) -> np.ndarray:  # fmt: skip
-    """Histograms over ``bounds`` of what each rule bounds, of own and displaced maxima.
-
-    The pixels looked at lie ``floor`` above ``base``. A rule is a slope a of x - a max, both above
-    ``base``; ``RATIO`` stands for x / max.
-    """
-    h, w = frame.shape
-    counts = np.zeros((rules.size, 2, bounds.shape[1] + 1), np.float64)
-    margin = reach + np.abs(shifts).max()
-    weight = 1.0 / shifts.shape[0]
-    for y in range(margin, h - margin):
-        for x in range(margin, w - margin):
-            v = frame[y, x] - base
-            if v < floor or frame[y, x] >= ceiling or skip[y, x]:
-                continue
-            for s in range(-1, shifts.shape[0]):
-                if s < 0:
-                    m = top[y - reach, x - reach] - base
-                else:
-                    oy, ox = shifts[s]
-                    one = top[y + oy - reach, x + ox - reach]
-                    m = max(one, top[y - oy - reach, x - ox - reach]) - base
-                for k in range(rules.size):
-                    e = v / max(m, floor / 4) if rules[k] == RATIO else v - rules[k] * m
-                    if e > bounds[k, 0]:  # bounds below e: 0 .. n - 1
-                        n = np.searchsorted(bounds[k], e)
-                        counts[k, min(s + 1, 1), n] += 1.0 if s < 0 else weight
-    return counts
-
-
-def _pairs(
-    frame: np.ndarray, top: np.ndarray, skip: np.ndarray, reach: int,
-    base: float, floor: float, ceiling: float,
-) -> np.ndarray:  # fmt: skip
-    """Pixels ``floor`` above ``base`` with the maxima of their own and of displaced rings, DN."""
-    margin = reach + max(max(c) for c in CONTROLS)
-    inner = (slice(margin, -margin), slice(margin, -margin))
-    hot = (frame[inner] >= base + floor) & (frame[inner] < ceiling) & ~skip[inner]
-    y, x = (n + margin for n in np.nonzero(hot))
-    sides = [
-        np.maximum(
-            top[y + dy - reach, x + dx - reach], top[y - dy - reach, x - dx - reach]
-        ) for dy, dx in CONTROLS
-    ]  # fmt: skip
-    values = [frame[y, x], top[y - reach, x - reach], *sides]
-    return np.stack(values, axis=1).astype(np.float32)
-
-
-def without_transients(stack: np.ndarray, noise: float, sigmas: float = CERTAIN) -> np.ndarray:
-    """Values far from the pixel's median over time replaced by it: hits and blinking, not hot
-    pixels.
-
-    As given where there are fewer than 3 frames.
-    """
-    if stack.shape[0] < 3:
-        return stack
-    middle = np.sort(stack, axis=0)[stack.shape[0] // 2]
-    return np.where(np.abs(stack - middle) > np.float32(sigmas * noise), middle, stack)
+        frames = max(self.frames, other.frames)
+        return Excess(self.bounds, self.own + other.own, self.control + other.control, frames)
 
 
 @dataclass(frozen=True)
@@ -153,10 +88,10 @@ class StandingOut:
 
     def __add__(self, other: StandingOut) -> StandingOut:
         sloped = tuple(a + b for a, b in zip(self.sloped, other.sloped, strict=True))
-        return StandingOut(
-            self.neighbours, self.difference + other.difference, self.ratio + other.ratio, sloped,
-            min(self.base, other.base), np.concatenate([self.pairs, other.pairs]),
-        )  # fmt: skip
+        pairs = np.concatenate([self.pairs, other.pairs])
+        difference, ratio = self.difference + other.difference, self.ratio + other.ratio
+        base = min(self.base, other.base)
+        return StandingOut(self.neighbours, difference, ratio, sloped, base, pairs)
 
 
 def standing_out(
@@ -182,40 +117,52 @@ def standing_out(
         (n, 2), rows and columns of sites that look replaced. Pixels beside them are left out: a
         corrector replaces a pixel but not its fainter hot neighbour, which then stands alone.
     """
-    from dnanalyze.detection.neighbours import ring_maximum
-
-    ladder = LADDER * unit
-    plain = np.array([1.0]), ladder[None], 0.0
-    hot = (
-        np.array([RATIO, *SLOPES]),
-        np.concatenate([RATIOS[None], np.tile(ladder, (len(SLOPES), 1))]),
-        CERTAIN * unit,
-    )
-    counts = [np.zeros((len(rules), 2, LADDER.size + 1)) for rules, _, _ in (plain, hot)]
-    bases, pairs = [], []
-    skip = np.zeros(stack.shape[1:], bool)
+    margin, floor, ladder = reach + AWAY, CERTAIN * unit, LADDER * unit
+    free = np.ones(stack.shape[1:], bool)
     for y, x in replaced if replaced is not None else ():
-        skip[max(0, y - reach) : y + reach + 1, max(0, x - reach) : x + reach + 1] = True
+        free[max(0, y - reach) : y + reach + 1, max(0, x - reach) : x + reach + 1] = False
+    free = free[margin:-margin, margin:-margin]
+    frames = len(stack)
+    bases, leads, hot = [], [], []
     for frame in stack:
-        top = ring_maximum(frame, reach)
-        bases.append(float(np.median(frame[::5, ::5])))
-        pairs.append(_pairs(frame, top, skip, reach, bases[-1], CERTAIN * unit, ceiling))
-        for count, (rules, bounds, floor) in zip(counts, (plain, hot), strict=True):
-            count += _survival(
-                frame, top, skip, reach, np.array(CONTROLS),
-                rules, bounds, bases[-1], floor, ceiling,
-            )  # fmt: skip
-    above = [count[..., ::-1].cumsum(axis=-1)[..., ::-1][..., 1:] for count in counts]
-    sums = [
-        Excess(bounds[k], own_and_control[k, 0], own_and_control[k, 1], len(stack))
-        for own_and_control, (rules, bounds, _) in zip(above, (plain, hot), strict=True)
-        for k in range(rules.size)
-    ]
+        base = float(np.median(frame[::5, ::5]))
+        pixel = frame[margin:-margin, margin:-margin]
+        seen = free & (pixel >= base) & (pixel < ceiling)
+        with_rings = np.stack([pixel[seen], *(ring[seen] for ring in _rings(frame, reach))]) - base
+        leads.append(_excess(with_rings[0] - with_rings[1:], ladder, frames))
+        hot.append(with_rings[:, with_rings[0] >= floor])
+        bases.append(base)
+    base, (pixel, *rings) = float(np.median(bases)), np.concatenate(hot, axis=1)
+    top = np.stack(rings)
+    pairs = np.stack([pixel, *rings], axis=1)[:: -(-pixel.size // MOST_PAIRS) or 1]
     return StandingOut(
         (2 * reach + 1) ** 2 - 1,
-        sums[0],
-        sums[1],
-        tuple(sums[2:]),
-        float(np.median(bases)),
-        np.concatenate([p[:: -(-len(stack) * len(p) // MOST_PAIRS) or 1] for p in pairs]),
+        reduce(operator.add, leads),
+        _excess(pixel / np.maximum(top, floor / 4), RATIOS, frames),
+        tuple(_excess(pixel - a * top, ladder, frames) for a in SLOPES),
+        base,
+        (pairs + base).astype(np.float32),
     )
+
+
+def _rings(frame: np.ndarray, reach: int) -> list[np.ndarray]:
+    """Maxima of each pixel's ring, and of the larger of two opposite ones along rows, columns."""
+    top = ring_maximum(frame, reach)
+    rows, columns = (n - 2 * AWAY for n in top.shape)
+
+    def moved(down: int, along: int) -> np.ndarray:
+        y, x = AWAY + down, AWAY + along
+        return top[y : y + rows, x : x + columns]
+
+    pairs = ((moved(0, AWAY), moved(0, -AWAY)), (moved(AWAY, 0), moved(-AWAY, 0)))
+    return [moved(0, 0), *(np.maximum(one, other) for one, other in pairs)]
+
+
+def _excess(values: np.ndarray, bounds: np.ndarray, frames: int) -> Excess:
+    """How many lie beyond each bound: of the own ring, and the mean of the two others."""
+    counts = [
+        np.bincount(np.searchsorted(bounds, of[of > bounds[0]]), minlength=bounds.size + 1)
+        for of in values
+    ]
+    own, along, down = np.array(counts)[:, ::-1].cumsum(axis=1)[:, ::-1][:, 1:]
+    return Excess(bounds, own, (along + down) / 2, frames)
