@@ -13,7 +13,7 @@ from dnanalyze.classifier.classify import classify_on
 from dnanalyze.classifier.result import Classification
 from dnanalyze.description.advice import more_captures
 from dnanalyze.description.found import Estimate
-from dnanalyze.description.layers import Layers, chance, layers
+from dnanalyze.description.layers import Layers, layers, simulated_layers
 from dnanalyze.description.look import Look, look
 from dnanalyze.description.nearest import Nearest, as_good, nearest
 from dnanalyze.description.search import by_chance, searched
@@ -269,7 +269,7 @@ def described(
     on_progress("residual layers")
     seen = layers(problem.plan, state.model)
     base = tuple(e for e in state.model.effects if e.name in (BASE, *BASELINE))
-    simulated = chance(problem.plan, replace(state.model, effects=base))
+    simulated = simulated_layers(problem.plan, replace(state.model, effects=base))
     on_progress("structures in the layers")
     found = searched(seen, by_chance(simulated), state.model.reference)
     if not found:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from dnanalyze.comparator.error import ERROR_SCATTER, pooled
-from dnanalyze.description.found import grown
+from dnanalyze.description.law import grown
 from dnanalyze.description.layers import CLIP, robust
 from dnanalyze.description.shrinkage import factors, filtered
 from dnanalyze.digits import number
