@@ -27,18 +27,11 @@ RADII = np.linspace(math.log(0.6), math.log(GRID / 4), 49)  # blocks, logarithms
 
 @dataclass(frozen=True)
 class CoarseFrames:
-    """Means of GRID x GRID blocks of all frames.
+    """Means of GRID x GRID blocks of all frames."""
 
-    Parameters
-    ----------
-    frames : tuple of ndarray
-        Of each operating point, (frames, GRID, GRID), DN, less the mean of the frames.
-    chance : tuple of float
-        Variance of each value by chance, DN^2.
-    """
-
+    # Of each operating point, (frames, GRID, GRID), DN, less the mean of the frames.
     frames: tuple[np.ndarray, ...]
-    chance: tuple[float, ...]
+    chance: tuple[float, ...]  # variance of each value by chance, DN^2
 
     @property
     def white(self) -> np.ndarray:

@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from dnanalyze.description.blocks import block_form
 from dnanalyze.description.found import Estimate, Sizes, distribution, random_size, random_sizes
@@ -24,18 +25,10 @@ LEAST_PIXELS = 8  # of a diagonal: shorter ones lie in the corners
 
 @dataclass(frozen=True)
 class Elements:
-    """Which pixels share a value.
+    """Which pixels share a value."""
 
-    Parameters
-    ----------
-    words : dict
-        Of the composite effect.
-    number : ndarray of int
-        (rows, columns), the element of each pixel; -1 for those that have none.
-    """
-
-    words: dict[str, Any]
-    number: np.ndarray
+    words: dict[str, Any]  # of the composite effect
+    number: np.ndarray  # (rows, columns), the element of each pixel; -1 for those that have none
 
     @cached_property
     def used(self) -> np.ndarray:
@@ -52,17 +45,22 @@ class Elements:
         """Elements from 0 on without a gap, one a used pixel."""
         return np.unique(self.number[self.used], return_inverse=True)[1]
 
-    def means(self, map_: np.ndarray) -> np.ndarray:
-        """Mean of each element, less that of all, (elements,)."""
-        pixels = map_[self.used]
-        return np.bincount(self._index, pixels - pixels.mean()) / self.count
+    @cached_property
+    def _mean(self) -> sparse.csr_array:
+        """From used pixels to means of elements, (pixels, elements)."""
+        pixels = np.arange(self._index.size)
+        return sparse.csr_array((1.0 / self.count[self._index], (pixels, self._index)))
 
-    def analysed(self, frames: np.ndarray) -> tuple[np.ndarray, float]:
-        """Means of each of the frames, and the variance of a pixel within its element."""
-        means = np.stack([self.means(f) for f in frames])
-        total = float(np.sum(frames[:, self.used].var(axis=1))) * self._index.size
-        free = len(frames) * max(self._index.size - self.count.size, 1)
-        return means, (total - float(np.sum(means**2 @ self.count))) / free
+    def analysed(self, maps: np.ndarray) -> tuple[np.ndarray, float]:
+        """Means of elements less those of the maps, and the variance of a pixel within its element.
+
+        ``maps``: (maps, rows, columns); the means are (maps, elements).
+        """
+        pixels = maps[:, self.used]
+        means = pixels @ self._mean - pixels.mean(axis=1, keepdims=True, dtype=float)
+        apart = float(pixels.var(axis=1).mean()) * self._index.size
+        apart -= float(np.mean(means**2 @ self.count))
+        return means, apart / max(self._index.size - self.count.size, 1)
 
 
 def fixed_elements(seen: Layers, maps: list[Layer], growth: np.ndarray) -> Iterator[Estimate]:
@@ -104,11 +102,12 @@ def changing_elements(seen: Layers) -> Iterator[Estimate]:
 
 def _fixed(elements: Elements, maps: list[Layer], layer: Layer, numbers: int) -> Estimate:
     """A value of every element, the same in all frames and, but for the law, at all points."""
-    *_, gain = random_size(elements.means(layer.map), 1.0 / elements.count)
+    means, _ = elements.analysed(np.stack([layer.map, *(m.map / m.kept for m in maps)]))
+    *_, gain = random_size(means[0], 1.0 / elements.count)
     found = []
-    for m in maps:
+    for m, of_point in zip(maps, means[1:], strict=True):
         chance = m.scatter / m.kept**2 / elements.count
-        size, error, _ = random_size(elements.means(m.map) / m.kept, chance)
+        size, error, _ = random_size(of_point, chance)
         # without what another draw of the values would add: they are the same at all points
         draw = 2.0 * size**2 / chance.size
         least = 2.0 * float(np.mean(chance)) ** 2 / chance.size

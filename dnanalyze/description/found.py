@@ -17,19 +17,12 @@ KURTOSIS_SD = math.sqrt(24.0)  # of normal values times the root of their number
 
 @dataclass(frozen=True)
 class Sizes:
-    """How large a structure is at each operating point.
+    """How large a structure is at each operating point."""
 
-    Parameters
-    ----------
-    values, errors : ndarray
-        Of the amplitude, or of its square, in DN.
-    squares : bool
-        Whether they are squares, as of random elements and of noise.
-    """
-
+    # Of the amplitude, or of its square, in DN.
     values: np.ndarray
     errors: np.ndarray
-    squares: bool = False
+    squares: bool = False  # whether they are squares, as of random elements and of noise
 
     @property
     def amplitudes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -42,29 +35,16 @@ class Sizes:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A structure with its evidence.
-
-    Parameters
-    ----------
-    effect : CompositeEffect
-    errors : dict
-        Standard error by parameter.
-    explained : float
-        Twice the gain of the log likelihood of the layer.
-    price : float
-        What its numbers cost: ln n each, n the pixels or values that it is estimated from.
-    sizes : Sizes
-        Over the operating points.
-    elements : int
-        Fixed elements that drew a value each once, for all operating points; 0 without such.
-    """
+    """A structure with its evidence."""
 
     effect: CompositeEffect
-    errors: dict[str, float]
-    explained: float
+    errors: dict[str, float]  # standard error by parameter
+    explained: float  # twice the gain of the log likelihood of the layer
+    # What its numbers cost: ln n each, n the pixels or values that it is estimated from.
     price: float
-    sizes: Sizes
+    sizes: Sizes  # over the operating points
     chance: float = 0.0
+    # Fixed elements that drew a value each once, for all operating points; 0 without such.
     elements: int = 0
 
     @property

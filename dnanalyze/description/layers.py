@@ -27,21 +27,12 @@ MOST = 0.9  # of a side of the frame, in which its middle is that of the window,
 
 @dataclass(frozen=True)
 class Layer:
-    """A residual map at an operating point.
+    """A residual map at an operating point."""
 
-    Parameters
-    ----------
-    map : ndarray
-        (rows, columns), DN, of mean about 0, hot pixels cut.
-    noise : float
-        Standard deviation of a pixel, DN, robust.
-    kept : float
-        Share of the pixels that were not cut: a pattern is lost in the others, and its size in the
-        map is smaller by this factor.
-    """
-
-    map: np.ndarray
-    noise: float
+    map: np.ndarray  # (rows, columns), DN, of mean about 0, hot pixels cut
+    noise: float  # standard deviation of a pixel, DN, robust
+    # Share of the pixels that were not cut: a pattern is lost in the others, and its size in the
+    # map is smaller by this factor.
     kept: float = 1.0
 
     @cached_property
@@ -52,17 +43,10 @@ class Layer:
 
 @dataclass(frozen=True)
 class Taken:
-    """The frames of one operating point over a window.
-
-    Parameters
-    ----------
-    point : OperatingPoint
-    frames : ndarray
-        (frames, rows, columns), float32, DN.
-    """
+    """The frames of one operating point over a window."""
 
     point: OperatingPoint
-    frames: np.ndarray
+    frames: np.ndarray  # (frames, rows, columns), float32, DN
 
     @cached_property
     def mean(self) -> np.ndarray:
@@ -119,23 +103,12 @@ class Taken:
 
 @dataclass(frozen=True)
 class Layers:
-    """All operating points, and where they lie in the frame.
-
-    Parameters
-    ----------
-    taken : tuple of Taken
-    window : Window
-        Of the frame.
-    shape : tuple of int
-        Full frame.
-    dark : ndarray
-        Mean dark signal of the model, DN, one an operating point.
-    """
+    """All operating points, and where they lie in the frame."""
 
     taken: tuple[Taken, ...]
-    window: Window
-    shape: tuple[int, int]
-    dark: np.ndarray
+    window: Window  # of the frame
+    shape: tuple[int, int]  # full frame
+    dark: np.ndarray  # mean dark signal of the model, DN, one an operating point
 
     @property
     def points(self) -> list[OperatingPoint]:

@@ -44,20 +44,11 @@ NOISE = ("column_noise", "heavy_tailed_read_noise")
 
 @dataclass(frozen=True)
 class Nearest:
-    """An effect of the catalogue instead of the structure.
-
-    Parameters
-    ----------
-    effect : str
-    error_after : float
-        Model error with it; NaN where it shows no sign or is in the model already.
-    why : str
-        Why it fails.
-    """
+    """An effect of the catalogue instead of the structure."""
 
     effect: str
-    error_after: float
-    why: str
+    error_after: float  # model error with it; NaN where it shows no sign or is in the model already
+    why: str  # why it fails
 
 
 def as_good(near: Sequence[Nearest], error: float) -> str | None:

@@ -28,25 +28,14 @@ LEAST_EA_EV = 0.40  # below the activation energy of any bulk dark current
 
 @dataclass(frozen=True)
 class LagCorrelation:
-    """Correlation coefficients of an image with itself, shifted.
+    """Correlation coefficients of an image with itself, shifted."""
 
-    Parameters
-    ----------
-    along_rows, along_columns : tuple of float
-        At lags 1, 2 and 3.
-    diagonal : float
-        At (1, 1).
-    se : float
-        Standard error of each for white noise.
-    variance : float
-        Of the core of the distribution, DN^2.
-    """
-
+    # At lags 1, 2 and 3.
     along_rows: tuple[float, float, float]
     along_columns: tuple[float, float, float]
-    diagonal: float
-    se: float
-    variance: float
+    diagonal: float  # at (1, 1)
+    se: float  # standard error of each for white noise
+    variance: float  # of the core of the distribution, DN^2
 
     @property
     def short_range(self) -> float:

@@ -41,67 +41,35 @@ Counts = TypeVar("Counts", StandingOut, Replaced)
 
 @dataclass(frozen=True)
 class ViewEvidence:
-    """What the tests found in one view (the frame, or the planes of a 2x2 mosaic) of one group.
-
-    Parameters
-    ----------
-    view : str
-    point : OperatingPoint
-    frames : int
-    noise : float
-        Robust sd of the temporal noise (of the single frame, where there is but one), DN.
-    step : float
-        Spacing of the recorded values, DN.
-    temporal : bool
-        Noise statistics are of differences of frames; False: of one flattened frame.
-    clipped : float
-        Share of pixels at the highest or lowest code, or on a plateau.
-    saturation : Saturation
-        From where pixels are clipped or saturated.
-    levels : ndarray
-        (101,), percentiles of the frames, DN.
-    usable : bool
-        Noise statistics mean something: few pixels are clipped.
-    recorded : Exceedance
-        Of single frames, fixed pattern and all: asymmetric for a correction of hot pixels.
-    extremes, spectrum, correlation, texture
-        Of the noise.
-    above8, above24 : StandingOut
-        Above the largest of 8, of 24 neighbours.
-    replaced : Replaced, optional
-        For 3 frames or more.
-    listed : Replaced, optional
-        The same over frames of all settings; with the first of the settings.
-    memory : Autocorrelation, optional
-        For 4 repeats or more.
-    equal : tuple
-        Equality with the right neighbour, with one farther away, pixels.
-    rows : RowPhase, optional
-        Of the whole frame only.
-    """
+    """What the tests found in one view (the frame, or the planes of a 2x2 mosaic) of one group."""
 
     view: str
     point: OperatingPoint
     frames: int
+    # Robust sd of the temporal noise (of the single frame, where there is but one), DN.
     noise: float
-    step: float
-    temporal: bool
-    clipped: float
-    saturation: Saturation
-    levels: np.ndarray
-    usable: bool
+    step: float  # spacing of the recorded values, DN
+    temporal: bool  # noise statistics are of differences of frames; False: of one flattened frame
+    clipped: float  # share of pixels at the highest or lowest code, or on a plateau
+    saturation: Saturation  # from where pixels are clipped or saturated
+    levels: np.ndarray  # (101,), percentiles of the frames, DN
+    usable: bool  # noise statistics mean something: few pixels are clipped
+    # Of single frames, fixed pattern and all: asymmetric for a correction of hot pixels.
     recorded: Exceedance
+    # Of the noise.
     extremes: Exceedance
     spectrum: OctaveSpectrum
     correlation: LagCorrelation
     texture: Texture
+    # Above the largest of 8, of 24 neighbours.
     above8: StandingOut
     above24: StandingOut
-    replaced: Replaced | None
-    listed: Replaced | None
-    memory: Autocorrelation | None
+    replaced: Replaced | None  # for 3 frames or more
+    listed: Replaced | None  # the same over frames of all settings; with the first of the settings
+    memory: Autocorrelation | None  # for 4 repeats or more
+    # Equality with the right neighbour, with one farther away, pixels.
     equal: tuple[float, float, int]
-    rows: RowPhase | None
+    rows: RowPhase | None  # of the whole frame only
 
     @property
     def full(self) -> bool:

@@ -32,22 +32,13 @@ MOST_PAIRS = 1 << 13  # kept of a stack
 
 @dataclass(frozen=True)
 class Excess:
-    """Counts of pixels that exceed their neighbours' maximum by more than each bound.
+    """Counts of pixels that exceed their neighbours' maximum by more than each bound."""
 
-    Parameters
-    ----------
-    bounds : ndarray
-        DN, or ratios.
-    own, control : ndarray
-        Count over all frames; the control's is the mean over the displaced rings.
-    frames : int
-        Frames that went in; a hot pixel counts in each.
-    """
-
-    bounds: np.ndarray
+    bounds: np.ndarray  # DN, or ratios
+    # Count over all frames; the control's is the mean over the displaced rings.
     own: np.ndarray
     control: np.ndarray
-    frames: int
+    frames: int  # frames that went in; a hot pixel counts in each
 
     def __add__(self, other: Excess) -> Excess:
         frames = max(self.frames, other.frames)
@@ -56,30 +47,16 @@ class Excess:
 
 @dataclass(frozen=True)
 class StandingOut:
-    """How far pixels stand out of the largest of their neighbours, in three ways.
+    """How far pixels stand out of the largest of their neighbours, in three ways."""
 
-    Parameters
-    ----------
-    neighbours : int
-        8 or 24.
-    difference : Excess
-        x - max, DN, of pixels above the frame's median.
-    ratio : Excess
-        (x - median) / (max - median), of pixels 6 units above the median.
-    sloped : tuple of Excess
-        (x - median) - a (max - median), DN, of the same pixels, for each a of ``SLOPES``.
-    base : float
-        Median of the frames, DN.
-    pairs : ndarray
-        (n, 4), some of the same pixels, DN as recorded, with the largest of their own ring and
-        the larger of two rings on opposite sides, along rows, along columns.
-    """
-
-    neighbours: int
-    difference: Excess
-    ratio: Excess
+    neighbours: int  # 8 or 24
+    difference: Excess  # x - max, DN, of pixels above the frame's median
+    ratio: Excess  # (x - median) / (max - median), of pixels 6 units above the median
+    # (x - median) - a (max - median), DN, of the same pixels, for each a of ``SLOPES``.
     sloped: tuple[Excess, ...]
-    base: float
+    base: float  # median of the frames, DN
+    # (n, 4), some of the same pixels, DN as recorded, with the largest of their own ring and the
+    # larger of two rings on opposite sides, along rows, along columns.
     pairs: np.ndarray
 
     def along(self, slope: float) -> Excess:

@@ -63,31 +63,17 @@ def exceedance(images: np.ndarray) -> Exceedance:
 
 @dataclass(frozen=True)
 class RowPhase:
-    """The row phase that departs most.
+    """The row phase that departs most."""
 
-    Parameters
-    ----------
-    period, phase : int
-        Rows; phase counts from the first row.
-    effect : float
-        1 - (local extremes in those rows over the others'); positive where they are smoother.
-    z : float
-        In standard errors.
-    one_sided : bool
-        Only the maxima are rarer: a correction of hot pixels, not a smoothing.
-    tried : int
-        Phases looked at.
-    freedom : float
-        Degrees of freedom of the scatter of the rows.
-    """
-
+    # Rows; phase counts from the first row.
     period: int
     phase: int
+    # 1 - (local extremes in those rows over the others'); positive where they are smoother.
     effect: float
-    z: float
-    one_sided: bool
-    tried: int
-    freedom: float = np.inf
+    z: float  # in standard errors
+    one_sided: bool  # only the maxima are rarer: a correction of hot pixels, not a smoothing
+    tried: int  # phases looked at
+    freedom: float = np.inf  # degrees of freedom of the scatter of the rows
 
     @property
     def p(self) -> float:

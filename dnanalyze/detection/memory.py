@@ -31,37 +31,22 @@ LARGEST_MEMORY = 0.95
 
 @dataclass(frozen=True)
 class Autocorrelation:
-    """How much a pixel remembers.
+    """How much a pixel remembers."""
 
-    Parameters
-    ----------
-    excess : float
-        Mean over pixels of r1 + 1/K.
-    se : float
-        Its standard error for independent pixels.
-    shared_se, freedom : float
-        For what pixels of a frame share, and its degrees of freedom: from the scatter of pairs of
-        frames equally far apart; of the parts of the frame where there are too few pairs.
-    everywhere : float
-        What three quarters of 16 parts of the frame exceed: a filter spares none, a glow that
-        drifts spares the other corners.
-    without_trend : float
-        Excess once each pixel's straight line in time is taken off, over what that leaves of
-        independent frames, as if it left all of a filter's: a drift has none.
-    memory : float
-        Of the recursive filter that explains the excess.
-    frames : int
-        K.
-    """
-
-    excess: float
-    se: float
+    excess: float  # mean over pixels of r1 + 1/K
+    se: float  # its standard error for independent pixels
+    # For what pixels of a frame share, and its degrees of freedom: from the scatter of pairs of
+    # frames equally far apart; of the parts of the frame where there are too few pairs.
     shared_se: float
     freedom: float
+    # What three quarters of 16 parts of the frame exceed: a filter spares none, a glow that drifts
+    # spares the other corners.
     everywhere: float
+    # Excess once each pixel's straight line in time is taken off, over what that leaves of
+    # independent frames, as if it left all of a filter's: a drift has none.
     without_trend: float
-    memory: float
-    frames: int
+    memory: float  # of the recursive filter that explains the excess
+    frames: int  # K
 
     @property
     def p(self) -> float:

@@ -27,30 +27,17 @@ CONTROLS = np.array([(0, 4), (4, 0)])  # along the row, along the column
 
 @dataclass(frozen=True)
 class Replaced:
-    """Sites that match, rule by rule.
+    """Sites that match, rule by rule."""
 
-    Parameters
-    ----------
-    own : ndarray
-        (rules,), sites that match their own neighbours.
-    control : ndarray
-        (rules,), count over displaced rings, along rows or along columns, what is more
-        (noise that is correlated along one of them is shared only there).
-    almost, almost_control : ndarray
-        (rules,), the same of sites that match in all frames but one.
-    sites : ndarray
-        (n, 3): rule, row, column of the own matches.
-    tried : int
-        Sites looked at.
-    frames : int
-    """
-
-    own: np.ndarray
+    own: np.ndarray  # (rules,), sites that match their own neighbours
+    # (rules,), count over displaced rings, along rows or along columns, what is more (noise that is
+    # correlated along one of them is shared only there).
     control: np.ndarray
+    # (rules,), the same of sites that match in all frames but one.
     almost: np.ndarray
     almost_control: np.ndarray
-    sites: np.ndarray
-    tried: int
+    sites: np.ndarray  # (n, 3): rule, row, column of the own matches
+    tried: int  # sites looked at
     frames: int
 
     def __add__(self, other: Replaced) -> Replaced:

@@ -139,23 +139,13 @@ class FilterEstimate:
 
 @dataclass(frozen=True)
 class TailBound:
-    """Hot pixels before correction, in one setting.
-
-    Parameters
-    ----------
-    temperature_c : float, optional
-    level_dn : float
-        Excess above the neighbours' maximum, DN.
-    ppm_seen : float
-        Isolated pixels beyond it that are left.
-    ppm_lower, ppm_upper : float
-        Bounds of what there was: what the survivors beside other hot pixels imply, and with the
-        replaced sites that may or may not have been hot.
-    """
+    """Hot pixels before correction, in one setting."""
 
     temperature_c: float | None
-    level_dn: float
-    ppm_seen: float
+    level_dn: float  # excess above the neighbours' maximum, DN
+    ppm_seen: float  # isolated pixels beyond it that are left
+    # Bounds of what there was: what the survivors beside other hot pixels imply, and with the
+    # replaced sites that may or may not have been hot.
     ppm_lower: float
     ppm_upper: float
 

@@ -19,19 +19,11 @@ NEAR_C = 6.0  # settings of single frames closer than this in temperature count 
 
 @dataclass(frozen=True)
 class Group:
-    """Frames taken at one operating point, or so close that their differences are noise.
-
-    Parameters
-    ----------
-    point : OperatingPoint
-    frames : tuple of Frame
-    repeats : bool
-        All at exactly one setting, in the order in which they were taken.
-    """
+    """Frames taken at one operating point, or so close that their differences are noise."""
 
     point: OperatingPoint
     frames: tuple[Frame, ...]
-    repeats: bool
+    repeats: bool  # all at exactly one setting, in the order in which they were taken
 
 
 def groups(captures: CaptureSet) -> list[Group]:
@@ -124,18 +116,10 @@ def least_step(stack: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Plane:
-    """Like pixels of one group of frames.
+    """Like pixels of one group of frames."""
 
-    Parameters
-    ----------
-    raw : ndarray
-        (frames, rows, columns), float32, DN as recorded.
-    step : float
-        Spacing of the recorded values, DN.
-    """
-
-    raw: np.ndarray
-    step: float
+    raw: np.ndarray  # (frames, rows, columns), float32, DN as recorded
+    step: float  # spacing of the recorded values, DN
 
     def dithered(self) -> np.ndarray:
         """With +-1/2 step of uniform noise, so that ties are broken evenly."""

@@ -24,30 +24,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SuppressionSeries:
-    """ln R over temperature, with the curves it is held against.
+    """ln R over temperature, with the curves it is held against."""
 
-    Parameters
-    ----------
-    temperature_c : ndarray
-        (n,), C.
-    log_ratio, se : ndarray
-        (n,), ln R measured and its standard error.
-    unfiltered : float
-        The constant that fits best.
-    crosstalk : ndarray
-        (n,), ln R of the crosstalk curve that fits best.
-    phi : float
-        Its share to each of 8 neighbours.
-    chi2_unfiltered, chi2_crosstalk : float
-        Of the two fits; n - 1 and n - 2 degrees of freedom.
-    """
-
-    temperature_c: np.ndarray
+    temperature_c: np.ndarray  # (n,), C
+    # (n,), ln R measured and its standard error.
     log_ratio: np.ndarray
     se: np.ndarray
-    unfiltered: float
-    crosstalk: np.ndarray
-    phi: float
+    unfiltered: float  # the constant that fits best
+    crosstalk: np.ndarray  # (n,), ln R of the crosstalk curve that fits best
+    phi: float  # its share to each of 8 neighbours
+    # Of the two fits; n - 1 and n - 2 degrees of freedom.
     chi2_unfiltered: float
     chi2_crosstalk: float
 

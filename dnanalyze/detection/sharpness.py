@@ -28,21 +28,11 @@ SAFE = 0.5  # of that is expected: clusters of 60 laws (density, size, reach, am
 
 @dataclass(frozen=True)
 class Tail:
-    """What is left of a tail beyond each bound, a frame.
+    """What is left of a tail beyond each bound, a frame."""
 
-    Parameters
-    ----------
-    left : ndarray
-        Pixels between the bound and ``BEYOND`` times it.
-    least : ndarray
-        The least that clusters leave there.
-    shown : ndarray of bool
-        Bounds at which both steps below lie within the ladder.
-    """
-
-    left: np.ndarray
-    least: np.ndarray
-    shown: np.ndarray
+    left: np.ndarray  # pixels between the bound and ``BEYOND`` times it
+    least: np.ndarray  # the least that clusters leave there
+    shown: np.ndarray  # bounds at which both steps below lie within the ladder
 
 
 def tail(top: Excess) -> Tail:

@@ -38,18 +38,11 @@ class Chord(NamedTuple):
 
 @dataclass(frozen=True)
 class OctaveSpectrum:
-    """Powers of octaves of radial frequency.
+    """Powers of octaves of radial frequency."""
 
-    Parameters
-    ----------
-    log_power : ndarray
-        (octaves,), ln of the median power, about what white noise has; NaN below the frame's reach.
-    se : ndarray
-        (octaves,), standard errors.
-    """
-
+    # (octaves,), ln of the median power, about what white noise has; NaN below the frame's reach.
     log_power: np.ndarray
-    se: np.ndarray
+    se: np.ndarray  # (octaves,), standard errors
 
     @property
     def suppression(self) -> tuple[float, float]:

@@ -19,24 +19,14 @@ from dnanalyze.significance import NOTICEABLE
 
 @dataclass(frozen=True)
 class Texture:
-    """Unevenness of the noise.
+    """Unevenness of the noise."""
 
-    Parameters
-    ----------
-    dispersion : float
-        Squared coefficient of variation of 4x4 variances over that of independent pixels; 1: none.
-    dispersion_se : float
-    hh_kurtosis : float
-        Kurtosis of the finest diagonal Haar band, of the clipped image; 3 for Gaussian noise.
-    hh_excess : float
-        Over that of independent pixels.
-    hh_se : float
-    """
-
+    # Squared coefficient of variation of 4x4 variances over that of independent pixels; 1: none.
     dispersion: float
     dispersion_se: float
+    # Kurtosis of the finest diagonal Haar band, of the clipped image; 3 for Gaussian noise.
     hh_kurtosis: float
-    hh_excess: float
+    hh_excess: float  # over that of independent pixels
     hh_se: float
 
 

@@ -22,21 +22,12 @@ _LENGTHS = 8  # lengths of a settling that are tried, from half a line to half a
 
 @dataclass(frozen=True)
 class Strips:
-    """Strips of lines, each with its level.
+    """Strips of lines, each with its level."""
 
-    Parameters
-    ----------
-    begins : ndarray of int
-        Place in the profile of the first line of every strip but the first.
-    levels : ndarray
-        Of each strip, DN, beside the trend.
-    share, length, side : float, float, str
-        Share of each step left beside its edge, the lines over which it settles by e, and the
-        side ("after", "before", "both"); 0 where nothing settles.
-    """
-
-    begins: np.ndarray
-    levels: np.ndarray
+    begins: np.ndarray  # place in the profile of the first line of every strip but the first
+    levels: np.ndarray  # of each strip, DN, beside the trend
+    # Share of each step left beside its edge, the lines over which it settles by e, and the side
+    # ("after", "before", "both"); 0 where nothing settles.
     share: float = 0.0
     length: float = 1.0
     side: str = "after"

@@ -60,26 +60,13 @@ def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
 
 @dataclass(frozen=True)
 class _Clumps:
-    """Clumps of pixels that stand out once.
-
-    Parameters
-    ----------
-    count : float
-    pixels : float
-        In all of them.
-    exposed : float
-        Million pixels times seconds, or times frames where the exposure is unknown.
-    border : float
-        Length of the border over the area, 1/pixel.
-    readout_s : float
-        Time beyond the exposures in which hits came, s; it is in ``exposed``.
-    """
+    """Clumps of pixels that stand out once."""
 
     count: float
-    pixels: float
-    exposed: float
-    border: float
-    readout_s: float
+    pixels: float  # in all of them
+    exposed: float  # million pixels times seconds, or times frames where the exposure is unknown
+    border: float  # length of the border over the area, 1/pixel
+    readout_s: float  # time beyond the exposures in which hits came, s; it is in ``exposed``
 
     def tracks(self, crossed: float) -> tuple[float, float, float]:
         """Mean length, rate, and pixels a hit.

@@ -23,21 +23,11 @@ SIGNS = *(f"hot_count_{k}" for k in (5, 8, 16)), "pattern_q0.99", "pattern_q0.99
 
 @dataclass(frozen=True)
 class Peak:
-    """A narrow peak of hot pixels.
+    """A narrow peak of hot pixels."""
 
-    Parameters
-    ----------
-    amplitude : float
-        Mean signal above the median pixel, DN.
-    share : float
-        Of all pixels.
-    width : float
-        Standard deviation over the mean, without that of the core.
-    """
-
-    amplitude: float
-    share: float
-    width: float
+    amplitude: float  # mean signal above the median pixel, DN
+    share: float  # of all pixels
+    width: float  # standard deviation over the mean, without that of the core
 
 
 def hot_peaks(clues: Clues) -> list[list[Peak]]:
