@@ -26,7 +26,7 @@ def coarse_line(out: StandingOut, noise: float) -> tuple[float, float] | None:
     Below the rule's own slope the bound falls as fast as the hottest survivors' neighbours are
     hot; above it only as fast as neighbours rise above the base by noise.
     """
-    bounds = [_end(top, noise) for top in out.sloped]
+    bounds = [_end(out.along(slope), noise) for slope in SLOPES]
     for k, slope in enumerate(SLOPES[:-1]):
         quiet = NOTICEABLE * noise * (SLOPES[k + 1] - slope)  # no quiet neighbour rises by more
         if np.isfinite(bounds[k]) and bounds[k] - bounds[k + 1] <= quiet + RUNG * bounds[k]:

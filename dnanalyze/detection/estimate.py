@@ -70,7 +70,7 @@ def _correction(flags: Sequence[Finding], evidence: list[ViewEvidence]) -> Filte
         return replace(base, subkind="clamp", threshold_dn=0.0, neighbours=neighbours)
     of_24 = rule is not None and RULES[rule] == "mean of 24"
     neighbours = min((f.neighbours for f in cut), default=24 if of_24 else 8)
-    tops = [e.above8 if neighbours == 8 else e.above24 for e in seen]
+    tops = [e.above(neighbours) for e in seen]
     lines = [
         (line, e.noise, out)
         for e, out in zip(seen, tops, strict=True)
@@ -108,7 +108,7 @@ def _cut(
     own = [(bound, out) for (a, bound), _, out in lines if a == slope]
     level = min(out.base for _, _, out in lines)
     k = SLOPES.index(slope)
-    pairs = np.concatenate([out.pairs for _, out in own]) - np.float32(level)
+    pairs = np.concatenate([out.pixels[:, :4] for _, out in own]) - np.float32(level)
     # a bound above one base is another above a lower one
     coarse = float(np.median([b - (slope - 1) * (out.base - level) for b, out in own]))
     slope, bound = tightest_line(

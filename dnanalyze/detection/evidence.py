@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from typing import TypeVar
 
 import numpy as np
 
@@ -36,7 +34,6 @@ SATURATED = 0.1  # share of clipped and saturated pixels above which noise tells
 FINE = 0.75  # noise over step from which rounding no longer hides a filter
 ROUNDING = math.sqrt(ROUNDING_VARIANCE)  # noise of the codes alone, over their step
 LEVELS = np.linspace(0, 1, 101)
-Counts = TypeVar("Counts", StandingOut, Replaced)
 
 
 @dataclass(frozen=True)
@@ -70,6 +67,10 @@ class ViewEvidence:
     # Equality with the right neighbour, with one farther away, pixels.
     equal: tuple[float, float, int]
     rows: RowPhase | None  # of the whole frame only
+
+    def above(self, neighbours: int) -> StandingOut:
+        """Above the largest of 8, or 24, neighbours."""
+        return self.above8 if neighbours == 8 else self.above24
 
     @property
     def full(self) -> bool:
@@ -105,6 +106,7 @@ def gather(
     ceiling = ends.high if ends.plateau else _ceiling(stack)
     clean = [without_transients(p.raw, noise) for p in parts]
     found = _replaced(parts, noise, ends) if stack.shape[0] >= 3 else []
+    sites = [of.sites[:, 1:] for of in found]
 
     return ViewEvidence(
         view=view,
@@ -122,9 +124,9 @@ def gather(
         spectrum=octave_spectrum(images),
         correlation=lag_correlation(np.stack([without_tones(image) for image in images])),
         texture=texture(images),
-        above8=_standing_out(clean, 1, noise, ceiling, found),
-        above24=_standing_out(clean, 2, noise, ceiling, found),
-        replaced=_total(found) if found else None,
+        above8=standing_out(clean, 1, noise, ceiling, sites),
+        above24=standing_out(clean, 2, noise, ceiling, sites),
+        replaced=reduce(operator.add, found) if found else None,
         listed=None,
         memory=mean_memory([p.raw for p in parts]) if group.repeats else None,
         equal=equal_neighbours(parts[0].raw),
@@ -139,7 +141,7 @@ def listed(stack: np.ndarray, view: str) -> Replaced | None:
     if len(stack) < 3 or not parts:
         return None
     noise = _noise([without_shading(p.dithered()[0])[None] for p in parts], parts[0].step)
-    return _total(_replaced(parts, noise, saturation(stack[:1])))
+    return reduce(operator.add, _replaced(parts, noise, saturation(stack[:1])))
 
 
 def _parts(stack: np.ndarray, view: str) -> list[Plane]:
@@ -160,21 +162,6 @@ def _noise_images(plane: Plane, temporal: bool) -> np.ndarray:
     if temporal:
         return pair_differences(smooth)
     return without_shading(smooth[0])[None]
-
-
-def _standing_out(
-    stacks: list[np.ndarray], reach: int, noise: float, ceiling: float, sites: list[Replaced]
-) -> StandingOut:
-    drawn = [
-        standing_out(s, reach, noise, ceiling, sites[k].sites[:, 1:] if sites else None)
-        for k, s in enumerate(stacks)
-    ]
-    return _total(drawn)
-
-
-def _total(planes: Sequence[Counts]) -> Counts:
-    """Counts of all planes together."""
-    return reduce(operator.add, planes)
 
 
 def _ceiling(stack: np.ndarray) -> float:

@@ -14,9 +14,8 @@ far below the median. So a few slopes find every such rule, and the least sharp 
 
 from __future__ import annotations
 
-import operator
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 
@@ -27,7 +26,7 @@ AWAY = 8  # pixels to the rings of the control: along the row and the column, of
 LADDER = np.concatenate([np.arange(0, 8, 0.25), np.geomspace(8, 4000, 64)])  # in units of the noise
 RATIOS = np.geomspace(1.0, 20.0, LADDER.size)  # crosstalk of 2 % forbids more than 42 by itself
 SLOPES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-MOST_PAIRS = 1 << 13  # kept of a stack
+MOST_PIXELS = 1 << 15  # hot ones, kept of all frames
 
 
 @dataclass(frozen=True)
@@ -35,91 +34,92 @@ class Excess:
     """Counts of pixels that exceed their neighbours' maximum by more than each bound."""
 
     bounds: np.ndarray  # DN, or ratios
-    # Count over all frames; the control's is the mean over the displaced rings.
+    # Over so many frames, in each of which a hot pixel counts; the control's is the mean over the
+    # displaced rings.
     own: np.ndarray
     control: np.ndarray
-    frames: int  # frames that went in; a hot pixel counts in each
-
-    def __add__(self, other: Excess) -> Excess:
-        frames = max(self.frames, other.frames)
-        return Excess(self.bounds, self.own + other.own, self.control + other.control, frames)
+    frames: float
 
 
 @dataclass(frozen=True)
 class StandingOut:
-    """How far pixels stand out of the largest of their neighbours, in three ways."""
+    """Pixels that stand out of their frame, and how far out of the largest of their neighbours."""
 
     neighbours: int  # 8 or 24
+    noise: float  # DN, by which the ladder of bounds is scaled
+    base: float  # median of the frames, the lowest of several planes, DN
     difference: Excess  # x - max, DN, of pixels above the frame's median
-    ratio: Excess  # (x - median) / (max - median), of pixels 6 units above the median
-    # (x - median) - a (max - median), DN, of the same pixels, for each a of ``SLOPES``.
-    sloped: tuple[Excess, ...]
-    base: float  # median of the frames, DN
-    # (n, 4), some of the same pixels, DN as recorded, with the largest of their own ring and the
-    # larger of two rings on opposite sides, along rows, along columns.
-    pairs: np.ndarray
+    # (n, 5), DN as recorded: pixels `CERTAIN` above the median of their frame, the largest of their
+    # own ring, the larger of two rings on opposite sides along rows, along columns, and that
+    # median; of so many frames.
+    pixels: np.ndarray
+    frames: float
+
+    @property
+    def ratio(self) -> Excess:
+        """(x - median) / (max - median)."""
+        pixel, *rings = self._above
+        top = np.maximum(rings, CERTAIN * self.noise / 4)
+        return Excess(RATIOS, *_beyond(pixel / top, RATIOS), self.frames)
 
     def along(self, slope: float) -> Excess:
-        """(x - median) - slope (max - median) for one of ``SLOPES``."""
-        return self.sloped[SLOPES.index(slope)]
+        """(x - median) - slope (max - median), DN."""
+        pixel, *rings = self._above
+        bounds = LADDER * self.noise
+        return Excess(bounds, *_beyond(pixel - slope * np.array(rings), bounds), self.frames)
 
-    def __add__(self, other: StandingOut) -> StandingOut:
-        sloped = tuple(a + b for a, b in zip(self.sloped, other.sloped, strict=True))
-        pairs = np.concatenate([self.pairs, other.pairs])
-        difference, ratio = self.difference + other.difference, self.ratio + other.ratio
-        base = min(self.base, other.base)
-        return StandingOut(self.neighbours, difference, ratio, sloped, base, pairs)
+    @property
+    def _above(self) -> np.ndarray:
+        """Pixels and their rings above the median, (4, n)."""
+        return (self.pixels[:, :4] - self.pixels[:, 4:]).T
 
 
 def standing_out(
-    stack: np.ndarray,
+    planes: Sequence[np.ndarray],
     reach: int,
-    unit: float,
+    noise: float,
     ceiling: float = np.inf,
-    replaced: np.ndarray | None = None,
+    replaced: Sequence[np.ndarray] = (),
 ) -> StandingOut:
-    """Own and control counts over a stack of frames as recorded.
+    """Pixels that stand out in stacks of frames as recorded.
 
     Parameters
     ----------
-    stack : ndarray
-        (frames, rows, columns), DN.
+    planes : sequence of ndarray
+        (frames, rows, columns) each, DN: the frame, or its colours.
     reach : int
         1: 8 neighbours, 2: 24.
-    unit : float
-        Noise, DN, by which the ladder of bounds is scaled.
+    noise : float
+        Of a pixel, DN.
     ceiling : float
         Pixels at or above are saturated and left out.
-    replaced : ndarray, optional
-        (n, 2), rows and columns of sites that look replaced. Pixels beside them are left out: a
-        corrector replaces a pixel but not its fainter hot neighbour, which then stands alone.
+    replaced : sequence of ndarray, optional
+        (n, 2) of each plane, rows and columns of sites that look replaced. Pixels beside them are
+        left out: a corrector replaces a pixel but not its fainter hot neighbour, which then stands
+        alone.
     """
-    margin, floor, ladder = reach + AWAY, CERTAIN * unit, LADDER * unit
-    free = np.ones(stack.shape[1:], bool)
-    for y, x in replaced if replaced is not None else ():
-        free[max(0, y - reach) : y + reach + 1, max(0, x - reach) : x + reach + 1] = False
-    free = free[margin:-margin, margin:-margin]
-    frames = len(stack)
-    bases, leads, hot = [], [], []
-    for frame in stack:
-        base = float(np.median(frame[::5, ::5]))
-        pixel = frame[margin:-margin, margin:-margin]
-        seen = free & (pixel >= base) & (pixel < ceiling)
-        with_rings = np.stack([pixel[seen], *(ring[seen] for ring in _rings(frame, reach))]) - base
-        leads.append(_excess(with_rings[0] - with_rings[1:], ladder, frames))
-        hot.append(with_rings[:, with_rings[0] >= floor])
-        bases.append(base)
-    base, (pixel, *rings) = float(np.median(bases)), np.concatenate(hot, axis=1)
-    top = np.stack(rings)
-    pairs = np.stack([pixel, *rings], axis=1)[:: -(-pixel.size // MOST_PAIRS) or 1]
+    margin, frames, ladder = reach + AWAY, len(planes[0]), LADDER * noise
+    bases, found, counts = [], [], np.zeros((2, ladder.size))
+    for number, stack in enumerate(planes):
+        free = np.ones(stack.shape[1:], bool)
+        for y, x in replaced[number] if len(replaced) else ():
+            free[max(0, y - reach) : y + reach + 1, max(0, x - reach) : x + reach + 1] = False
+        free = free[margin:-margin, margin:-margin]
+        for frame in stack:
+            base = np.median(frame[::5, ::5])
+            pixel = frame[margin:-margin, margin:-margin]
+            seen = free & (pixel >= base) & (pixel < ceiling)
+            of_pixels = np.stack([of[seen] for of in (pixel, *_rings(frame, reach))])
+            counts += _beyond(of_pixels[0] - of_pixels[1:], ladder)
+            found.append(of_pixels[:, of_pixels[0] >= base + CERTAIN * noise].T)
+            bases.append(base)
+    medians = np.repeat(bases, [len(f) for f in found])[:, None]
+    pixels = np.hstack([np.concatenate(found), medians]).astype(np.float32)
+    every = max(1, -(-len(pixels) // MOST_PIXELS))
     return StandingOut(
-        (2 * reach + 1) ** 2 - 1,
-        reduce(operator.add, leads),
-        _excess(pixel / np.maximum(top, floor / 4), RATIOS, frames),
-        tuple(_excess(pixel - a * top, ladder, frames) for a in SLOPES),
-        base,
-        (pairs + base).astype(np.float32),
-    )
+        (2 * reach + 1) ** 2 - 1, noise, float(min(bases)),
+        Excess(ladder, counts[0], counts[1], frames), pixels[::every], frames / every,
+    )  # fmt: skip
 
 
 def _rings(frame: np.ndarray, reach: int) -> list[np.ndarray]:
@@ -135,11 +135,12 @@ def _rings(frame: np.ndarray, reach: int) -> list[np.ndarray]:
     return [moved(0, 0), *(np.maximum(one, other) for one, other in pairs)]
 
 
-def _excess(values: np.ndarray, bounds: np.ndarray, frames: int) -> Excess:
+def _beyond(values: np.ndarray, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """How many lie beyond each bound: of the own ring, and the mean of the two others."""
-    counts = [
+    own, along, down = (
         np.bincount(np.searchsorted(bounds, of[of > bounds[0]]), minlength=bounds.size + 1)
         for of in values
-    ]
-    own, along, down = np.array(counts)[:, ::-1].cumsum(axis=1)[:, ::-1][:, 1:]
-    return Excess(bounds, own, (along + down) / 2, frames)
+    )
+    counts = np.array([own, (along + down) / 2])
+    own, control = counts[:, ::-1].cumsum(axis=1)[:, ::-1][:, 1:]
+    return own, control

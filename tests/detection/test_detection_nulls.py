@@ -16,7 +16,7 @@ from dnanalyze.detection.correlation import (
     largest_crosstalk,
     shot_share,
 )
-from dnanalyze.detection.excess import standing_out
+from dnanalyze.detection.excess import SLOPES, standing_out
 from dnanalyze.detection.extremes import exceedance, row_phase
 from dnanalyze.detection.memory import autocorrelation, expected_excess, memory_of
 from dnanalyze.detection.replaced import RULES, Replaced, replaced
@@ -169,8 +169,8 @@ def test_the_memory_of_a_recursive_filter_comes_back():
 @pytest.mark.parametrize("marginal", MARGINALS)
 def test_pixels_stand_out_of_their_neighbours_as_often_as_of_others(marginal):
     frames = _images(marginal, 8)
-    out = standing_out(frames, 1, 1.0)
-    for found in (out.difference, out.ratio, *out.sloped):
+    out = standing_out([frames], 1, 1.0)
+    for found in (out.difference, out.ratio, *map(out.along, SLOPES)):
         enough = found.control > 50
         low = stats.poisson.ppf(1e-6, found.control[enough])  # two rings: the control is rarer
         assert np.all(found.own[enough] >= low * 0.9)

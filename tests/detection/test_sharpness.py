@@ -23,7 +23,8 @@ def _frame(hot: np.ndarray, seed: int) -> np.ndarray:
 
 
 def _asked(frame: np.ndarray, reach: int, replaced: np.ndarray | None = None):
-    out = standing_out(frame[None].astype(np.float32), reach, NOISE, replaced=replaced)
+    sites = () if replaced is None else [replaced]
+    out = standing_out([frame[None].astype(np.float32)], reach, NOISE, replaced=sites)
     seen = SimpleNamespace(noise=NOISE, frames=3, view="frame", point=OperatingPoint())  # hits out
     return [
         tests._end(seen, out, out.difference, "dynamic_threshold"),

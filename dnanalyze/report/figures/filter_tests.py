@@ -223,7 +223,7 @@ def _spectrum(ax: Any, _test: str, findings: Sequence[Finding]) -> None:
 def _survival(ax: Any, test: str, findings: Sequence[Finding]) -> None:
     telling = _telling(findings)
     e = telling.evidence
-    out = e.above8 if telling.neighbours == 8 else e.above24
+    out = e.above(telling.neighbours)
     ratio = test == "ratio_rule"
     top = out.ratio if ratio else out.difference
     if test == "ratio_and_threshold":
