@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from dnanalyze.detection.excess import SLOPES, Excess, StandingOut
+from dnanalyze.detection.excess import LADDER, SLOPES, Excess, StandingOut
 from dnanalyze.significance import NOTICEABLE, SIGN
 
 WEIGHT = 3.0  # of a pixel that crosses, in pixels of the control; sites beside replaced ones do
 CANDIDATES = 61
-LEAST_SITES = 6.0  # expected pixels beyond a bound, a frame, below which no edge is placed there
 LEFT = 0.05  # share of the tail that is nothing
-RUNG = 0.12  # of a bound: the steps of the ladder are of 10 %
+FEW = 5.0  # pixels, or sites, below which chance decides how many there are
+RUNG = float(LADDER[-1] / LADDER[-2]) - 1.0  # of a bound: a step of the ladder
 
 
 def coarse_line(out: StandingOut, noise: float) -> tuple[float, float] | None:
@@ -38,9 +38,17 @@ def _end(top: Excess, noise: float) -> float:
     """The least bound, DN, beyond which (almost) nothing is left of a tail that is still there
     elsewhere; infinite: none.
     """
-    ends = (top.own < LEFT * top.control) & (top.control >= LEAST_SITES * top.frames)
+    ends = (top.own < LEFT * top.control) & (top.control >= FEW * top.frames)
     ends &= top.bounds >= SIGN * noise
     return float(top.bounds[ends][0]) if ends.any() else np.inf
+
+
+def edge(top: Excess, j: int) -> float:
+    """The smallest bound beyond which (almost) nothing is left, from the ``j``-th down."""
+    empty = top.own <= LEFT * top.control
+    while j > 0 and empty[j - 1] and top.control[j - 1] > 0:
+        j -= 1
+    return float(top.bounds[j])
 
 
 def bound_at(pairs: np.ndarray, slope: float) -> tuple[float, float]:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import fft, ndimage
+from scipy import fft, ndimage, stats
 
 from dnanalyze.analyzers.spectra.location import located
 from dnanalyze.robust import robust_deviation
 from dnanalyze.significance import CERTAIN
 
-# Of white noise one bin in 1e9 is 30 times above the median: 2^-30.
-STRENGTH = 30.0
+# Times the median power of an octave, which one bin of white noise in 2^n is n times above: about
+# 29, as rare as `CERTAIN`.
+STRENGTH = -float(np.log2(2 * stats.norm.sf(CERTAIN)))
 LEAKING = np.pi**2  # a line of so many times the strength still exceeds it one bin away
 MOST_TONES = 16  # a bound on the time: harmonics of a few interferences
 

@@ -16,13 +16,14 @@ import numpy as np
 from scipy import stats
 
 from dnanalyze.detection.correlation import largest_crosstalk, shot_share
+from dnanalyze.detection.edge import FEW, edge
 from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.excess import Excess, StandingOut
 from dnanalyze.detection.replaced import RULES, Replaced
 from dnanalyze.detection.results import Finding
 from dnanalyze.detection.sharpness import tail
 from dnanalyze.digits import minus
-from dnanalyze.significance import SIGN
+from dnanalyze.significance import CERTAIN, SIGN
 
 # Effect sizes that unfiltered sensors reach (docs/detection.md): of noise with crosstalk taken off.
 LIMITS = {
@@ -48,11 +49,8 @@ SINGLE_FRAME = 0.02  # more correlation: the fixed pattern of one frame is less 
 BACKED = ("rank_exceedance", "local_variance", "wavelet_kurtosis")  # that never speak alone
 CROSSTALK_ROOM = 1.1  # over the largest crosstalk's share, for the error of that share
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
-HOTTER = 8.0  # in units of the noise, from which rules of a slope are asked
 HIGHEST_THRESHOLD = 64.0  # in units of the noise
 ASKED_SLOPES = (2.0, 4.0)
-TRIED = 8  # independent bounds, about: the counts of bounds within a factor of 2 overlap
-FEW_SITES = 5.0  # pixels, or sites, below which chance decides how many there are
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
 NEIGHBOUR_STEP = {"frame": 1, "planes": 2}  # pixels between the neighbours of a view
 
@@ -193,7 +191,7 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
     fit = seen.shown
     if test != "ratio_rule":
         # below, read noise makes the tail; beyond, saturated charge spills over and hides the rest
-        least = HOTTER if slope > 1 else SIGN
+        least = CERTAIN if slope > 1 else SIGN
         fit = fit & (top.bounds >= least * e.noise) & (top.bounds <= HIGHEST_THRESHOLD * e.noise)
     p = np.where(fit, stats.poisson.cdf(np.floor(seen.left), seen.least), 1.0)
     j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
@@ -202,7 +200,7 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
     return _finding(
         e,
         test,
-        TRIED * p[j],
+        max(1, np.count_nonzero(fit)) * p[j],
         1 - float(seen.left[j] / max(seen.least[j], 1e-9)) if fit[j] else 0.0,
         LIMITS[test],  # half of the least that clusters leave is missing
         f"{seen.left[j]:.1f} pixels of a frame are {top.bounds[j]:.3g} to "
@@ -226,14 +224,6 @@ def _slope(e: ViewEvidence, out: StandingOut) -> Finding | None:
     return replace(best, p_value=min(1.0, best.p_value * len(ASKED_SLOPES)))
 
 
-def edge(top: Excess, j: int) -> float:
-    """The smallest bound beyond which (almost) nothing is left, from the ``j``-th down."""
-    empty = top.own <= 0.02 * top.control
-    while j > 0 and empty[j - 1] and top.control[j - 1] > 0:
-        j -= 1
-    return float(top.bounds[j])
-
-
 def sites(e: ViewEvidence) -> list[Finding]:
     """Are there sites that are always what their neighbours say, here or at all settings?"""
     asked = []
@@ -254,7 +244,7 @@ def _always(e: ViewEvidence, seen: Replaced, where: str) -> Finding:
         e,
         "static_replacement",
         len(RULES) * p[j],
-        float(matches / (control[j] + 1)) if matches > FEW_SITES else 0.0,
+        float(matches / (control[j] + 1)) if matches > FEW else 0.0,
         LIMITS["static_replacement"] * _by_chance(e, seen, j),
         f"{matches} pixels equal the {RULES[j]} of their neighbours {where}; "
         f"{control[j]:.0f} equal that of a ring elsewhere",
@@ -270,7 +260,7 @@ def _by_chance(e: ViewEvidence, seen: Replaced, rule: int) -> float:
     """
     shared = max(0.0, e.correlation.along_rows[0], e.correlation.along_columns[0])
     linear = 1 + SHARED * shared
-    nearly = (seen.almost[rule] + FEW_SITES) / (seen.almost_control[rule] + FEW_SITES)
+    nearly = (seen.almost[rule] + FEW) / (seen.almost_control[rule] + FEW)
     return float(max(linear, nearly ** (seen.frames / (seen.frames - 1))))
 
 
