@@ -20,7 +20,7 @@ BLOCK_VARIANCE = 1.0 / 12.0  # of places in a block, by which block means widen 
 # Variance within the two groups, above and below 0, over the whole: 0 of two levels without noise,
 # 1 - 2 / pi = .36 of a normal distribution; the middle.
 TWO_GROUPS = (1.0 - 2.0 / math.pi) / 2.0
-AT_ONCE = 0.05  # frames, the time constant of what draws anew in every frame
+AT_ONCE = CompositeEffect.parameters()["tau"].lower  # frames: what draws anew in every frame
 ROUND_OFF = 0.05  # of the largest coefficient of a surface, within which another is 0
 RADII = np.linspace(math.log(0.6), math.log(GRID / 4), 49)  # blocks, logarithms
 

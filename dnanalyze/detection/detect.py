@@ -12,7 +12,7 @@ import numpy as np
 from dnanalyze.analyzers.estimators.saturation import saturation
 from dnanalyze.detection import evidence_cache
 from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
-from dnanalyze.detection.evidence import FINE, SATURATED, VIEWS, ViewEvidence, gather, listed
+from dnanalyze.detection.evidence import SATURATED, VIEWS, ViewEvidence, gather, listed
 from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
 from dnanalyze.detection.series import suppression_series
@@ -145,7 +145,7 @@ def _confidence(flags: Sequence[Finding], evidence: list[ViewEvidence]) -> float
     """One minus the corrected p-value; for "none", the share of settings fit for the tests."""
     if flags:
         return float(np.clip(1 - min(f.holm for f in flags), 0.0, 0.9999))
-    fit = [e.usable and e.temporal and not e.full and e.noise >= e.step for e in evidence]
+    fit = [e.usable and e.temporal and not e.full and e.fine for e in evidence]
     return float(np.mean(fit)) if fit else 0.0
 
 
@@ -197,7 +197,7 @@ def _ambiguous(
         lists = "" if any(e.listed for e in evidence) else " and static replacement"
         said.append(f"Single frames: temporal filters{lists} are not detectable.")
     said += _saturated(evidence)
-    coarse = {e.point.label() for e in evidence if e.noise < FINE * e.step}
+    coarse = {e.point.label() for e in evidence if not e.fine}
     if coarse:
         said.append(
             f"Noise below the quantization step at {'; '.join(sorted(coarse))}: a weak filter is "

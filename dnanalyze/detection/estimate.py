@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.detection.edge import coarse_line, tightest_line
-from dnanalyze.detection.evidence import ViewEvidence
+from dnanalyze.detection.evidence import VIEWS, ViewEvidence
 from dnanalyze.detection.excess import SLOPES, StandingOut
 from dnanalyze.detection.replaced import RULES, Replaced
 from dnanalyze.detection.results import FilterEstimate, Finding, TailBound
@@ -17,7 +18,6 @@ from dnanalyze.detection.tests import CAUSES
 from dnanalyze.significance import NOTICEABLE
 
 REPLACEMENTS = {"mean": "mean", "median": "midpoint", "fifth": "median"}  # of 8 values
-MOST_SCORE = 50.0  # of a finding in the vote of the views
 FAR = 0.3  # of the correlation next door, from which that two pixels away is no slight blur's
 DIAGONAL = 0.5  # of it, below which that along diagonals is a blur's and no median's
 
@@ -46,7 +46,7 @@ def _view(flags: Sequence[Finding]) -> str:
     capped = [f for f in flags if f.test == "cap_to_neighbours"]
     score = {"frame": 0.0, "planes": 0.0}
     for f in capped or flags:
-        score[f.view] += min(f.score, MOST_SCORE)
+        score[f.view] += math.log(f.score)
     return max(score, key=lambda v: score[v])
 
 
@@ -155,7 +155,7 @@ def effect_of(kind: str, estimated: FilterEstimate, evidence: list[ViewEvidence]
     """The model effect and parameters that mimic the filter, as plain values."""
     if kind == "temporal_denoise":
         return {kind: {"share": round(min(estimated.strength or 0.0, 0.7), 3)}}
-    spacing = 2 if estimated.view == "planes" else 1
+    spacing = VIEWS[estimated.view]
     noise = [e.noise for e in evidence]
     if kind == "denoise":
         named = estimated.subkind if estimated.subkind in ("gaussian", "median") else "bilateral"

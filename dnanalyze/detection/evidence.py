@@ -29,9 +29,8 @@ from dnanalyze.detection.texture import Texture, equal_neighbours, texture
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 
-VIEWS: dict[str, tuple[int, int] | None] = {"frame": None, "planes": (2, 2)}
+VIEWS = {"frame": 1, "planes": 2}  # pixels between the neighbours of a view
 SATURATED = 0.1  # share of clipped and saturated pixels above which noise tells nothing
-FINE = 0.75  # noise over step from which rounding no longer hides a filter
 ROUNDING = math.sqrt(ROUNDING_VARIANCE)  # noise of the codes alone, over their step
 LEVELS = np.linspace(0, 1, 101)
 
@@ -71,6 +70,11 @@ class ViewEvidence:
     def above(self, neighbours: int) -> StandingOut:
         """Above the largest of 8, or 24, neighbours."""
         return self.above8 if neighbours == 8 else self.above24
+
+    @property
+    def fine(self) -> bool:
+        """The noise spans a code or more: rounding does not hide a filter."""
+        return self.noise >= self.step
 
     @property
     def full(self) -> bool:

@@ -13,6 +13,7 @@ frame is left out: in a bright spot, or a dark one, its neighbours are so as wel
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 from numba import njit
@@ -175,21 +176,13 @@ def _match(
     return counts, sites[:kept], tried
 
 
-@njit(cache=True, nogil=True)
 def _sums(stack: np.ndarray) -> np.ndarray:
     """Of 5x5 pixels around each; exact for integers below 2^19; zero near the edges."""
-    frames, h, w = stack.shape
-    rows = np.empty((h, w), np.float32)
     total = np.zeros_like(stack)
-    for k in range(frames):
-        f = stack[k]
-        for y in range(h):
-            for x in range(2, w - 2):
-                rows[y, x] = f[y, x - 2] + f[y, x - 1] + f[y, x] + f[y, x + 1] + f[y, x + 2]
-        for y in range(2, h - 2):
-            for x in range(2, w - 2):
-                column = rows[y - 2, x] + rows[y - 1, x] + rows[y, x]
-                total[k, y, x] = column + rows[y + 1, x] + rows[y + 2, x]
+    for frame, sums in zip(stack, total, strict=True):
+        rows = reduce(np.add, (frame[:, k : frame.shape[1] - 4 + k] for k in range(5)))
+        columns = (rows[k : len(rows) - 4 + k] for k in range(5))
+        sums[2:-2, 2:-2] = reduce(np.add, columns)
     return total
 
 

@@ -17,7 +17,7 @@ from scipy import stats
 
 from dnanalyze.detection.correlation import largest_crosstalk, shot_share
 from dnanalyze.detection.edge import FEW, edge
-from dnanalyze.detection.evidence import ViewEvidence
+from dnanalyze.detection.evidence import VIEWS, ViewEvidence
 from dnanalyze.detection.excess import Excess, StandingOut
 from dnanalyze.detection.replaced import RULES, Replaced
 from dnanalyze.detection.results import Finding
@@ -45,14 +45,12 @@ CAUSES = (
     "cap_to_neighbours", "dynamic_threshold", "ratio_rule", "ratio_and_threshold",
     "static_replacement",
 )  # fmt: skip
-SINGLE_FRAME = 0.02  # more correlation: the fixed pattern of one frame is less exchangeable
 BACKED = ("rank_exceedance", "local_variance", "wavelet_kurtosis")  # that never speak alone
 CROSSTALK_ROOM = 1.1  # over the largest crosstalk's share, for the error of that share
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
 HIGHEST_THRESHOLD = 64.0  # in units of the noise
 ASKED_SLOPES = (2.0, 4.0)
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
-NEIGHBOUR_STEP = {"frame": 1, "planes": 2}  # pixels between the neighbours of a view
 
 
 def one_sided(value: float, se: float) -> float:
@@ -81,12 +79,13 @@ def smoothing(e: ViewEvidence, others: list[tuple[float, float | None]]) -> list
     """Has the noise been smoothed beyond what charge crosstalk can do to shot noise?"""
     if not e.usable:
         return []
-    bound = largest_crosstalk(NEIGHBOUR_STEP[e.view])
+    bound = largest_crosstalk(VIEWS[e.view])
     share = shot_share(e.correlation.variance, e.point.temperature_c, others) if e.temporal else 1.0
     room = CROSSTALK_ROOM * share
     (bend, bend_se), lag = e.spectrum.concavity(), e.correlation
     shared = lag.short_range_under_flicker if e.temporal else lag.short_range
-    extra = 0.0 if e.temporal else SINGLE_FRAME
+    # the fixed pattern of one frame is less exchangeable
+    extra = 0.0 if e.temporal else LIMITS["crosstalk_or_denoise"]
     asked = [
         _finding(
             e,

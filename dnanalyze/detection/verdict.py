@@ -13,16 +13,14 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.detection import tests
-from dnanalyze.detection.evidence import FINE, ViewEvidence
+from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.results import Finding
 from dnanalyze.detection.tests import BACKED, LIMITS
 from dnanalyze.digits import number
 from dnanalyze.significance import NOTICEABLE
 
-SHARP = 0.1  # growth of ln P towards high frequencies that no unfiltered noise shows
 ROUND = 0.15  # correlation of next neighbours of a colour beyond that of farther ones
 SLIGHT = 5.0  # times the limit: replacing a few per cent of pixels does less to the noise
-REMEMBERS = 1.2  # noise over step from which rounding does not hide a memory
 FEW_CLIPPED = 0.005  # share of pixels that does not change the variance
 NOT_SIGNIFICANT = "not significant after Holm's correction"
 KINDS = {
@@ -66,7 +64,7 @@ def _coloured(e: ViewEvidence) -> bool:
     No filter makes that, and sampled every second pixel it looks like smoothing.
     """
     ratio, se = e.spectrum.suppression
-    return bool(np.isfinite(ratio) and ratio > SHARP + NOTICEABLE * se)
+    return bool(np.isfinite(ratio) and ratio > LIMITS["spectral_corner"] + NOTICEABLE * se)
 
 
 def _round(e: ViewEvidence) -> bool:
@@ -98,7 +96,7 @@ def _quietest(evidence: list[ViewEvidence]) -> set[int]:
             sets[(e.view, e.point.gain, e.point.channel)].append(e)
     for members in sets.values():
         members.sort(key=lambda e: e.correlation.variance)
-        fine = [e for e in members if e.noise >= FINE * e.step]
+        fine = [e for e in members if e.fine]
         most = 1 if not repeats else len(fine) if members[0].view == "planes" else 2
         chosen |= {id(e) for e in fine[:most] or members[-1:]}
     return chosen
@@ -130,7 +128,7 @@ def _memory(findings: Sequence[Finding]) -> list[Finding]:
     """Flags of at least half of the settings in which rounding could not hide a memory."""
     able = [
         f for f in _of(findings, "temporal_autocorrelation")
-        if f.flagged or f.evidence.noise >= REMEMBERS * f.evidence.step
+        if f.flagged or f.evidence.fine
     ]  # fmt: skip
     flagged = [f for f in able if f.flagged]
     return flagged if 2 * len(flagged) >= max(1, len(able)) else []

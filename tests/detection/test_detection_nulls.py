@@ -261,7 +261,7 @@ def _seen(view: str, variance: float) -> SimpleNamespace:
     """Evidence of a setting, its noise correlated by .03 with next neighbours alone."""
     lag = LagCorrelation((0.03, 0.0, 0.0), (0.03, 0.0, 0.0), 0.0, 1e-3, variance)
     return SimpleNamespace(
-        view=view, usable=True, temporal=True, noise=5.0, step=1.0, correlation=lag,
+        view=view, usable=True, temporal=True, fine=True, correlation=lag,
         point=SimpleNamespace(temperature_c=None, gain=1.0, channel=None), equal=(0.1, 0.1, 10000),
         spectrum=SimpleNamespace(concavity=lambda: (0.0, 0.01), independent_chords=6),
         extremes=SimpleNamespace(extremes=1.0, se=0.01),
