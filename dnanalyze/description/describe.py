@@ -27,7 +27,7 @@ from dnanalyze.diagnosis.stepwise import reduced, supported
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.fit import baseline_model, starting_model
-from dnanalyze.fitting.from_part import fitted_in_time
+from dnanalyze.fitting.from_part import FIT_STEPS, fitted_in_time
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.state import State, start
@@ -43,7 +43,6 @@ from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
 MAX_LAYERS = 2  # layers whose best structure is put into the model and refitted
-REFIT_STEPS = 8  # of such a refit
 
 
 @dataclass(frozen=True)
@@ -307,7 +306,7 @@ def _refitted(
         for one in _best_of_layers(found):
             on_progress(f"refitting with {one.effect.where}")
             begun = start(limited, null.state.model.with_effect(one.effect), like=null.state)
-            ended = minimise(limited, begun, REFIT_STEPS)
+            ended = minimise(limited, begun, FIT_STEPS)
             tried.append((one, trial_of(null, CompositeEffect.name, ended)))
     return tried
 

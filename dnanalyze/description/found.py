@@ -65,17 +65,7 @@ class Estimate:
 def random_size(values: np.ndarray, chance: np.ndarray | float) -> tuple[float, float, float]:
     """Variance A^2 of values x ~ N(0, chance + A^2), its standard error, and what it explains.
 
-    Parameters
-    ----------
-    values : ndarray
-        Of any shape.
-    chance : ndarray or float
-        Variance of each by chance.
-
-    Returns
-    -------
-    tuple of float
-        A^2, its standard error, twice the gain of the log likelihood over A = 0.
+    That is twice the gain of the log likelihood over A = 0.
     """
     x2 = np.asarray(values, float).ravel() ** 2
     c = np.broadcast_to(np.asarray(chance, float), np.shape(values)).ravel()

@@ -142,22 +142,9 @@ def shot_share(
     """Upper bound on the share of shot noise in the temporal variance at a temperature.
 
     Between T and a warmer T' shot noise grows by at least g = exp(Ea/k (1/T - 1/T')); so it is at
-    most
-    (V' - V)/(g - 1) at T. Ea is taken low: from three temperatures where there are, else the least.
-
-    Parameters
-    ----------
-    variance : float
-        Temporal variance here, DN^2.
-    temperature_c : float, optional
-        C.
-    others : list of (variance, temperature)
-        Elsewhere, at the same exposure and gain.
-
-    Returns
-    -------
-    float
-        0 to 1; 1 where nothing is known.
+    most (V' - V)/(g - 1) at T. Ea is taken low: from three temperatures where there are, else the
+    least. ``others``: variances, DN^2, and temperatures, C, at the same exposure and gain. 1 where
+    nothing is known.
     """
     if temperature_c is None or variance <= 0:
         return 1.0

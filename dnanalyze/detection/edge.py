@@ -54,12 +54,8 @@ def edge(top: Excess, j: int) -> float:
 def bound_at(pairs: np.ndarray, slope: float) -> tuple[float, float]:
     """The best b for a slope, DN, and its score: control beyond, less ``WEIGHT`` x pixels beyond.
 
-    Parameters
-    ----------
-    pairs : ndarray
-        (n, 4): pixel, largest of its own ring, larger of two rings on opposite sides along rows,
-        along columns; DN above the level from which the rule counts.
-    slope : float
+    ``pairs``: (n, 4), pixels with their own and two displaced rings as in `StandingOut`, DN above
+    the level from which the rule counts.
     """
     own = np.sort(pairs[:, 0] - slope * pairs[:, 1])[::-1]
     control = np.sort((pairs[:, :1] - slope * pairs[:, 2:]).ravel())

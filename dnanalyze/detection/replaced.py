@@ -189,19 +189,11 @@ def _sums(stack: np.ndarray) -> np.ndarray:
 def replaced(
     stack: np.ndarray, step: float, noise: float, bottom: float = -np.inf, top: float = np.inf
 ) -> Replaced:
-    """Look for replaced sites in the raw frames of one plane.
+    """Look for replaced sites in three or more raw frames of one plane, (frames, rows, columns).
 
-    Parameters
-    ----------
-    stack : ndarray
-        (frames >= 3, rows, columns), DN as recorded.
-    step : float
-        Spacing of the recorded values, DN; 0 for frames that are not quantised.
-    noise : float
-        Temporal standard deviation of a typical pixel, DN.
-    bottom, top : float
-        Values at or below ``bottom`` are clipped, at or above ``top`` saturated, DN; the highest
-        of all are left out in any case.
+    ``step``: spacing of the recorded values, 0 where they are not quantised; ``noise``: temporal
+    standard deviation of a typical pixel. Values at or below ``bottom`` are clipped, at or above
+    ``top`` saturated; the highest of all are left out in any case. All in DN.
     """
     slack = 1e-3 * (step or noise)
     shifts = np.concatenate([[(0, 0)], CONTROLS])

@@ -186,13 +186,12 @@ def _cap(e: ViewEvidence, out: StandingOut) -> Finding | None:
 
 def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float = 1.0) -> Finding:
     """Does the tail end more sharply than clusters of hot pixels can end it?"""
-    seen = tail(top)
-    fit = seen.shown
+    left, expected, fit = tail(top)
     if test != "ratio_rule":
         # below, read noise makes the tail; beyond, saturated charge spills over and hides the rest
         least = CERTAIN if slope > 1 else SIGN
         fit = fit & (top.bounds >= least * e.noise) & (top.bounds <= HIGHEST_THRESHOLD * e.noise)
-    p = np.where(fit, stats.poisson.cdf(np.floor(seen.left), seen.least), 1.0)
+    p = np.where(fit, stats.poisson.cdf(np.floor(left), expected), 1.0)
     j = int(np.argmin(p + 1e-9 * np.arange(p.size)))
     unit = "times" if test == "ratio_rule" else "DN above"
     times = "" if slope == 1 else f"{slope:g} times "
@@ -200,11 +199,11 @@ def _end(e: ViewEvidence, out: StandingOut, top: Excess, test: str, slope: float
         e,
         test,
         max(1, np.count_nonzero(fit)) * p[j],
-        1 - float(seen.left[j] / max(seen.least[j], 1e-9)) if fit[j] else 0.0,
+        1 - float(left[j] / max(expected[j], 1e-9)) if fit[j] else 0.0,
         LIMITS[test],  # half of the least that clusters leave is missing
-        f"{seen.left[j]:.1f} pixels of a frame are {top.bounds[j]:.3g} to "
+        f"{left[j]:.1f} pixels of a frame are {top.bounds[j]:.3g} to "
         f"{2 * top.bounds[j]:.3g} {unit} {times}the largest of their {out.neighbours} neighbours; "
-        f"the tail below predicts at least {seen.least[j]:.0f}, even for hot pixels in clusters",
+        f"the tail below predicts at least {expected[j]:.0f}, even for hot pixels in clusters",
         at=edge(top, j),
         neighbours=out.neighbours,
         slope=slope,

@@ -159,17 +159,8 @@ def settled(
 ) -> tuple[Finding, ...]:  # fmt: skip
     """Findings flagged where the verdict rests on them, the others with the reason why not.
 
-    Parameters
-    ----------
-    findings : sequence of Finding
-    kind : str
-        Of the verdict.
-    flags : sequence of Finding
-        On which it rests.
-    also : sequence of str
-        Further kinds of which there are signs.
-    alpha : float
-        Chance of a false alarm over all questions.
+    ``flags``: those on which a verdict of this ``kind`` rests; ``also``: further kinds of which
+    there are signs.
     """
     speaks = {id(f) for f in flags}
     return tuple(
