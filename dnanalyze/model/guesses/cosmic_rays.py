@@ -13,9 +13,9 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.cosmic_rays import STEPPED, CosmicRays
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, excess, shows
-from dnanalyze.significance import SIGN
+from dnanalyze.significance import CERTAIN, SIGN
 
-LIMIT, CUT = 8.0, 6.0  # noises that a transient stands out by, and a difference of two frames
+LIMIT = 8.0  # noises that a transient stands out by; a difference of two frames by `CERTAIN`
 REACH, MUCH = 60.0, 0.1  # noises up to which differences are counted, nearly; share beyond
 CROSSED = 4.0 / math.pi  # pixels that a pixel of track crosses, in the mean over its direction
 KINDS = "track", "path"  # whose charge is exponential
@@ -52,7 +52,9 @@ def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
         return guesses
     length, rate, pixels = seen.tracks(1.0)
     energy = (
-        (a_pixel + math.sqrt(2.0) * CUT * float(noise[place])) / hints.gains(clues)[place] * pixels
+        (a_pixel + math.sqrt(2.0) * CERTAIN * float(noise[place]))
+        / hints.gains(clues)[place]
+        * pixels
     )
     tracks = {"rate": rate, "energy": energy, "length": length, "readout_s": readout_s}
     return [*guesses, *(effect.within(**tracks, charge=kind) for kind in STEPPED)]
@@ -154,8 +156,8 @@ def _charge(clues: Clues, setting: int, noise: float) -> tuple[float, bool]:
     if x is None or n is None:
         return PLAIN * noise, True
     far = np.abs(x) / noise
-    beyond, ends = n[far > CUT].sum(), n[far > REACH].sum()
+    beyond, ends = n[far > CERTAIN].sum(), n[far > REACH].sum()
     if beyond < FEWEST:
         return PLAIN * noise, True
-    charge = math.sqrt(2.0) * noise * float(np.sum(n * np.maximum(far - CUT, 0.0)) / beyond)
+    charge = math.sqrt(2.0) * noise * float(np.sum(n * np.maximum(far - CERTAIN, 0.0)) / beyond)
     return charge, bool(ends > MUCH * beyond)
