@@ -43,7 +43,7 @@ class _Fit:
 
 
 def strips(profile: np.ndarray) -> Strips | None:
-    """The strips of a profile beside a cubic trend; None where it has none.
+    """The strips of a profile of lines, DN, beside a cubic trend; None where it has none.
 
     Edges are added one by one where each explains most, and moved until none explains more. Their
     number has the least modified Bayesian information criterion for change points,
@@ -54,11 +54,6 @@ def strips(profile: np.ndarray) -> Strips | None:
     alike count once. A settling has two regular numbers. Strips are taken where they leave less
     than a polynomial of as many numbers, for a smooth profile is no staircase, and only edges that
     are seen in the lines beside them.
-
-    Parameters
-    ----------
-    profile : ndarray
-        Means of lines in order, DN.
     """
     n = profile.size
     if n < _FEWEST or not np.isfinite(profile).all():

@@ -112,14 +112,8 @@ def readout_time(count: np.ndarray, area: np.ndarray, seconds: np.ndarray) -> fl
 
     By maximum likelihood, with the rate eliminated.
 
-    Parameters
-    ----------
-    count : ndarray
-        Hits, Poisson about rate x area x (seconds + time); one a setting, as the others.
-    area : ndarray
-        Million pixels times frames.
-    seconds : ndarray
-        Exposures, s.
+    Hits are Poisson about rate x ``area`` (million pixels times frames) x (``seconds`` + time), one
+    number a setting.
     """
     longest = float(seconds.max())
     if np.ptp(seconds) <= 0.0 or not count.any():

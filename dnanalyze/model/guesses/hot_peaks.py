@@ -47,17 +47,8 @@ def peaks(centres: np.ndarray, counts: np.ndarray, sigma: float) -> list[Peak]:
 
     The tail is the running median of bins of equal ratio.
 
-    Parameters
-    ----------
-    centres, counts : ndarray, shape (bins,)
-        DN; pixels.
-    sigma : float
-        Robust standard deviation of its core, DN.
-
-    Returns
-    -------
-    list of Peak
-        That of most pixels first.
+    ``centres``: DN; ``counts``: pixels; ``sigma``: robust standard deviation of the core, DN. That
+    of most pixels comes first.
     """
     summed = np.cumsum(counts)
     x = centres - np.interp(0.5 * summed[-1], summed, centres)
