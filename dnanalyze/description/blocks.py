@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,14 @@ from dnanalyze.significance import CERTAIN
 
 MAX_BLOCK = 64  # pixels, the largest block
 SCALES = (1, 2, 4, 8)  # pixels across the axis, of which means are taken
+
+
+class Period(NamedTuple):
+    """Blocks along an axis: how clear they are, their pixels (1: none), and those that are cut."""
+
+    worth: float = 0.0
+    size: int = 1
+    cut: int = 0
 
 
 def block_form(seen: Layers, maps: np.ndarray) -> tuple[int, int, int, int] | None:
@@ -22,42 +31,32 @@ def block_form(seen: Layers, maps: np.ndarray) -> tuple[int, int, int, int] | No
     """
     stack = maps.reshape(-1, *maps.shape[-2:])
     stack = stack - stack.mean(axis=2, keepdims=True) - stack.mean(axis=1, keepdims=True)
-    turned = stack.transpose(0, 2, 1)
+    lines = stack.transpose(0, 2, 1), stack  # down the columns, along the rows
     first = seen.window.top, seen.window.left
-    across = max((_along(stack, first[1], n, 0) for n in SCALES), key=lambda x: x[0])
-    down = max((_along(turned, first[0], n, 0) for n in SCALES), key=lambda x: x[0])
-    if across[1] is None and down[1] is None:
+    found = [max(_along(lines[a], first[a], n, 0) for n in SCALES) for a in (0, 1)]
+    clear = int(found[1] >= found[0])
+    if found[clear].size == 1:
         return None
-    if across[0] >= down[0]:
-        assert across[1] is not None
-        width, left = across[1]
-        cut = -(first[1] + left) % width
-        again = _along(turned, first[0], width, cut)
-        down = max(down, again, key=lambda x: x[0])
-    else:
-        assert down[1] is not None
-        height, top = down[1]
-        cut = -(first[0] + top) % height
-        again = _along(stack, first[1], height, cut)
-        across = max(across, again, key=lambda x: x[0])
-    (h, top), (w, left) = down[1] or (1, 0), across[1] or (1, 0)
-    return h, w, top, left
+    other, (_, size, cut) = 1 - clear, found[clear]
+    again = _along(lines[other], first[other], size, -(first[clear] + cut) % size)
+    (_, height, top), (_, width, left) = (
+        max(of, again) if n == other else of for n, of in enumerate(found)
+    )
+    return height, width, top, left
 
 
-def _along(
-    stack: np.ndarray, first: int, over: int, cut: int
-) -> tuple[float, tuple[int, int] | None]:
-    """Worth and form of blocks along the last axis, in means over ``over`` lines from ``cut``."""
+def _along(stack: np.ndarray, first: int, over: int, cut: int) -> Period:
+    """Blocks along the last axis, in means over ``over`` lines from ``cut``."""
     count = (stack.shape[1] - cut) // over
     if count < 2:
-        return 0.0, None
+        return Period()
     lines = stack[:, cut : cut + count * over].reshape(len(stack), count, over, -1).mean(axis=2)
     lines = (lines * np.float32(math.sqrt(over))).reshape(-1, lines.shape[-1])
     return _period(lines, first)
 
 
-def _period(lines: np.ndarray, first: int) -> tuple[float, tuple[int, int] | None]:
-    """Worth, and size and phase, of blocks along lines of unit noise.
+def _period(lines: np.ndarray, first: int) -> Period:
+    """Blocks along lines of unit noise.
 
     Sums over n pixels scatter most where they lie on blocks of n and least half a block beside:
     by A^2 n / 2 of blocks of variance A^2, and by a quarter of that or less with 2 n or n / 2
@@ -71,7 +70,7 @@ def _period(lines: np.ndarray, first: int) -> tuple[float, tuple[int, int] | Non
     ]
     sums = [np.concatenate([[0.0], np.cumsum(x, dtype=float)]) for x in products]
     power = float(products[0].mean())
-    best, found = CERTAIN**2, None
+    best = Period(CERTAIN**2)
     for size in range(2, most + 1):
         places = lines.shape[1] - size + 1
         square = np.zeros(places)
@@ -88,20 +87,6 @@ def _period(lines: np.ndarray, first: int) -> tuple[float, tuple[int, int] | Non
         step = np.maximum(mean - beside, 0.0)
         worth = step**2 * count * len(lines) / (2.0 * power**2)
         at = int(worth.argmax())
-        if worth[at] > best:
-            best, found = float(worth[at]), (size, -(at + first) % size)
-    return (best if found else 0.0), found
-
-
-def block_means(
-    seen: Layers, map_: np.ndarray, form: tuple[int, int, int, int]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Mean of every block, less that of all, and the number of its pixels."""
-    height, width, top, left = form
-    rows = (seen.row + top) // height
-    columns = (seen.column + left) // width
-    number = (rows - rows.min()) * (int(np.ptp(columns)) + 1) + columns - columns.min()
-    count = np.bincount(number.ravel())
-    rest = map_ - map_.mean()  # a skew map has its median at 0, not its mean
-    means = np.bincount(number.ravel(), rest.ravel()) / np.maximum(count, 1)
-    return means[count > 0], count[count > 0]
+        if worth[at] > best.worth:
+            best = Period(float(worth[at]), size, -(at + first) % size)
+    return best if best.size > 1 else Period()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from dnanalyze.classifier.classify import classify_on
 from dnanalyze.classifier.result import Classification
 from dnanalyze.description.advice import more_captures
 from dnanalyze.description.found import Estimate
-from dnanalyze.description.layers import Layers, chance, layers
+from dnanalyze.description.layers import layers, simulated_layers
 from dnanalyze.description.look import Look, look
 from dnanalyze.description.nearest import Nearest, as_good, nearest
 from dnanalyze.description.search import by_chance, searched
@@ -26,7 +27,7 @@ from dnanalyze.diagnosis.stepwise import reduced, supported
 from dnanalyze.digits import number
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.fit import baseline_model, starting_model
-from dnanalyze.fitting.from_part import fitted_in_time
+from dnanalyze.fitting.from_part import FIT_STEPS, fitted_in_time
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.state import State, start
@@ -42,7 +43,6 @@ from dnanalyze.progress import Progress, ignored, reporter
 from dnanalyze.result import Result
 
 MAX_LAYERS = 2  # layers whose best structure is put into the model and refitted
-REFIT_STEPS = 8  # of such a refit
 
 
 @dataclass(frozen=True)
@@ -269,7 +269,7 @@ def described(
     on_progress("residual layers")
     seen = layers(problem.plan, state.model)
     base = tuple(e for e in state.model.effects if e.name in (BASE, *BASELINE))
-    simulated = chance(problem.plan, replace(state.model, effects=base))
+    simulated = simulated_layers(problem.plan, replace(state.model, effects=base))
     on_progress("structures in the layers")
     found = searched(seen, by_chance(simulated), state.model.reference)
     if not found:
@@ -278,81 +278,84 @@ def described(
             "have none of the geometries that describe tests."
         )
         return _without(captures, problem, state, "nothing", text)
+    null = FittedModel.of(problem, state)
+    tried = _refitted(null, found, limit, on_progress)
+    told = {id(e): sentence(e, seen, state.model.reference) for e in found}
+    if not tried:
+        open_ = _without(captures, null.problem, null.state, "possible", told[id(found[0])])
+        return replace(open_, effect=found[0].effect, look=look(found[0], seen), finished=False)
+    best, trial = max(tried, key=lambda pair: pair[1].evidence)
     near = known if rivals else {}
-    return _judged(captures, problem, state, near, limit, on_progress, seen, found)
+    judged = _judged(captures, null, best, trial, near, limit, on_progress, told[id(best)])
+    return replace(
+        judged,
+        next_capture=more_captures(best.effect, seen),
+        others=[told[id(e)] for e in found if _layer(e) != _layer(best)][:2],
+        look=look(best, seen),
+        finished=len(tried) == len(_best_of_layers(found)),
+    )
+
+
+def _refitted(
+    null: FittedModel, found: list[Estimate], limit: TimeLimit, on_progress: Callable[[str], None]
+) -> list[tuple[Estimate, Trial]]:
+    """The model with each of the best structures, as many as the time allows."""
+    limited = null.problem.within(limit)
+    tried: list[tuple[Estimate, Trial]] = []
+    with suppress(TimeUp):
+        for one in _best_of_layers(found):
+            on_progress(f"refitting with {one.effect.where}")
+            begun = start(limited, null.state.model.with_effect(one.effect), like=null.state)
+            ended = minimise(limited, begun, FIT_STEPS)
+            tried.append((one, trial_of(null, CompositeEffect.name, ended)))
+    return tried
 
 
 def _judged(
     captures: CaptureSet,
-    problem: FitProblem,
-    state: State,
+    null: FittedModel,
+    best: Estimate,
+    trial: Trial,
     known: Mapping[str, type[Effect]],
     limit: TimeLimit,
     on_progress: Callable[[str], None],
-    seen: Layers,
-    found: list[Estimate],
+    text: str,
 ) -> Description:
-    """The structures put in and refitted, the best of them described."""
-    null, finished = FittedModel.of(problem, state), True
-    problem, state, limited = null.problem, null.state, null.problem.within(limit)
-    tried: list[tuple[Estimate, Trial]] = []
-    try:
-        for one in _best_of_layers(found)[:MAX_LAYERS]:
-            on_progress(f"refitting with {one.effect.where}")
-            larger = state.model.with_effect(one.effect)
-            begun = start(limited, larger, like=state)
-            ended = minimise(limited, begun, REFIT_STEPS)
-            tried.append((one, trial_of(null, CompositeEffect.name, ended)))
-    except TimeUp:
-        finished = False
-    if not tried:
-        without = _without(
-            captures, problem, state, "possible", sentence(found[0], seen, state.model.reference)
-        )
-        return replace(without, effect=found[0].effect, look=look(found[0], seen), finished=False)
-    best, trial = max(tried, key=lambda pair: pair[1].evidence)
+    """Whether the model needs the structure: its evidence, and what the catalogue does instead."""
+    problem, state, ended = null.problem, null.state, trial.state
     certain = supported(null, [trial]) is not None
-    sure = confidence_of(trial, [trial])
-    verdict = "described" if certain else "possible"
-    ended = trial.state
+    sure = confidence_of(trial, [trial]) * (1.0 if certain else STANDS_IN)
     removed: list[str] = []
-    if not certain:
-        sure *= STANDS_IN
-    elif not limit.over:
+    if certain and not limit.over:
         on_progress("testing which effects are still needed")
-        ended, removed = reduced(problem, ended)
-        removed = [name for name in removed if name != CompositeEffect.name]
-        if ended.model.get(CompositeEffect.name) is None:
-            ended, removed = trial.state, []
-    why = evidence_for(problem, state, ended, CompositeEffect)
+        smaller, gone = reduced(problem, ended)
+        if smaller.model.get(CompositeEffect.name) is not None:
+            ended, removed = smaller, gone
     near: list[Nearest] = []
     if not limit.over:
         on_progress("nearest effects of the catalogue")
         near = nearest(problem, state, ended, best.effect, known)
-    text = sentence(best, seen, state.model.reference)
     rival = as_good(near, error_of(problem, ended))
     if rival is not None:
-        certain, verdict, sure = False, "possible", min(sure, STANDS_IN)
+        certain, sure = False, min(sure, STANDS_IN)
         text = f"{text[:-1]}; the catalogue effect {rival} explains as much: add it first."
     left = FittedModel.of(problem, ended)
     return Description(
         captures,
-        verdict,
-        text,
-        null.error,
-        left.error,
-        sure,
-        "adequate" if left.adequate else "unexplained",
-        best.effect,
-        _numbers(best, ended.model),
-        why,
-        near,
-        removed,
-        more_captures(best.effect, seen),
-        [sentence(e, seen, state.model.reference) for e in found if _layer(e) != _layer(best)][:2],
-        ended.model if certain else state.model,
-        look(best, seen),
-        finished,
+        verdict="described" if certain else "possible",
+        text=text,
+        error_before=null.error,
+        error_after=left.error,
+        confidence=sure,
+        after="adequate" if left.adequate else "unexplained",
+        effect=best.effect,
+        numbers=_numbers(best, ended.model),
+        evidence=evidence_for(problem, state, ended, CompositeEffect),
+        nearest=near,
+        removed=removed,
+        next_capture=[],
+        others=[],
+        model=ended.model if certain else state.model,
     )
 
 
@@ -366,7 +369,7 @@ def _best_of_layers(found: list[Estimate]) -> list[Estimate]:
     made: dict[tuple[bool, bool], Estimate] = {}
     for one in found:
         made.setdefault(_layer(one), one)
-    return list(made.values())
+    return list(made.values())[:MAX_LAYERS]
 
 
 def _numbers(found: Estimate, model: NoiseModel) -> list[Number]:

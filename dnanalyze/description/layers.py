@@ -21,25 +21,18 @@ GRID = 16  # blocks a side of coarse maps, over which steps and spots are told f
 # Robust standard deviations at which pixels are cut: of white noise .006 % lie beyond, hot pixels
 # all. A variance is cut at `CERTAIN`: of six frames .06 % lie beyond.
 CLIP = NOTICEABLE
+LEAST_GROWTH = 0.1  # of the dark signal, over its largest, that tells a law
+MOST = 0.9  # of a side of the frame, in which its middle is that of the window, nearly
 
 
 @dataclass(frozen=True)
 class Layer:
-    """A residual map at an operating point.
+    """A residual map at an operating point."""
 
-    Parameters
-    ----------
-    map : ndarray
-        (rows, columns), DN, of mean about 0, hot pixels cut.
-    noise : float
-        Standard deviation of a pixel, DN, robust.
-    kept : float
-        Share of the pixels that were not cut: a pattern is lost in the others, and its size in the
-        map is smaller by this factor.
-    """
-
-    map: np.ndarray
-    noise: float
+    map: np.ndarray  # (rows, columns), DN, of mean about 0, hot pixels cut
+    noise: float  # standard deviation of a pixel, DN, robust
+    # Share of the pixels that were not cut: a pattern is lost in the others, and its size in the
+    # map is smaller by this factor.
     kept: float = 1.0
 
     @cached_property
@@ -50,17 +43,10 @@ class Layer:
 
 @dataclass(frozen=True)
 class Taken:
-    """The frames of one operating point over a window.
-
-    Parameters
-    ----------
-    point : OperatingPoint
-    frames : ndarray
-        (frames, rows, columns), float32, DN.
-    """
+    """The frames of one operating point over a window."""
 
     point: OperatingPoint
-    frames: np.ndarray
+    frames: np.ndarray  # (frames, rows, columns), float32, DN
 
     @cached_property
     def mean(self) -> np.ndarray:
@@ -90,14 +76,7 @@ class Taken:
     @cached_property
     def fixed(self) -> Layer:
         """The mean frame less its median."""
-        return self._fixed(self.mean)
-
-    def half(self, odd: int) -> Layer:
-        """The same of the even or of the odd frames."""
-        return self._fixed(self.frames[odd::2].mean(axis=0))
-
-    def _fixed(self, mean: np.ndarray) -> Layer:
-        rest = (mean - np.median(mean)).astype(float)
+        rest = (self.mean - np.median(self.mean)).astype(float)
         noise = robust(rest)
         kept = float(np.mean(np.abs(rest) < CLIP * noise))
         return Layer(np.clip(rest, -CLIP * noise, CLIP * noise), noise, kept)
@@ -124,23 +103,12 @@ class Taken:
 
 @dataclass(frozen=True)
 class Layers:
-    """All operating points, and where they lie in the frame.
-
-    Parameters
-    ----------
-    taken : tuple of Taken
-    window : Window
-        Of the frame.
-    shape : tuple of int
-        Full frame.
-    dark : ndarray
-        Mean dark signal of the model, DN, one an operating point.
-    """
+    """All operating points, and where they lie in the frame."""
 
     taken: tuple[Taken, ...]
-    window: Window
-    shape: tuple[int, int]
-    dark: np.ndarray
+    window: Window  # of the frame
+    shape: tuple[int, int]  # full frame
+    dark: np.ndarray  # mean dark signal of the model, DN, one an operating point
 
     @property
     def points(self) -> list[OperatingPoint]:
@@ -151,6 +119,16 @@ class Layers:
     def several(self) -> bool:
         """Whether there are frames to compare."""
         return all(len(t.frames) > 1 for t in self.taken)
+
+    @property
+    def grows(self) -> bool:
+        """Whether the dark signal differs between the points by enough to tell a law."""
+        return float(np.ptp(self.dark)) > LEAST_GROWTH * max(float(self.dark.max()), 1e-9)
+
+    @property
+    def whole(self) -> bool:
+        """Whether the window is most of the frame: its halves are those of the frame."""
+        return min(self.window.shape) >= MOST * min(self.shape)
 
     @cached_property
     def lost_gain(self) -> np.ndarray:
@@ -194,28 +172,21 @@ def coarse(maps: np.ndarray) -> np.ndarray:
     return np.asarray(parts.mean(axis=(-3, -1), dtype=float))
 
 
-def layers(plan: Design, model: NoiseModel) -> Layers:
-    """The layers of captures."""
-    return _of(plan.captures, plan, model)
-
-
-def chance(plan: Design, model: NoiseModel) -> Layers:
-    """The same of a simulated sensor of the model: what a word finds there is chance."""
-    made = simulate(model.in_codes, plan.shape, plan.settings, sensor=plan.captures.sensor)
-    return _of(made, plan, model)
-
-
-def _of(captures: CaptureSet, plan: Design, model: NoiseModel) -> Layers:
+def layers(plan: Design, model: NoiseModel, captures: CaptureSet | None = None) -> Layers:
+    """The layers of the captures of a plan, or of others of the same design."""
+    settings = (captures or plan.captures).settings
     taken = tuple(
         Taken(s.point, np.stack([f.read(plan.window) for f in s.frames]).astype(np.float32))
-        for s in captures.settings
+        for s in settings
     )
-    levels = [float(t.mean.mean()) for t in taken]
-    dark = [
-        max(level - value_at(model.pedestal, t.point), 0.0)
-        for level, t in zip(levels, taken, strict=True)
-    ]
-    return Layers(taken, plan.window, plan.shape, np.array(dark))
+    dark = [float(t.mean.mean()) - value_at(model.pedestal, t.point) for t in taken]
+    return Layers(taken, plan.window, plan.shape, np.maximum(dark, 0.0))
+
+
+def simulated_layers(plan: Design, model: NoiseModel) -> Layers:
+    """The same of a simulated sensor of the model: what an estimator finds there is chance."""
+    made = simulate(model.in_codes, plan.shape, plan.settings, sensor=plan.captures.sensor)
+    return layers(plan, model, made)
 
 
 def together(maps: Sequence[Layer], growth: np.ndarray) -> Layer:

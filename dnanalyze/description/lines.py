@@ -3,102 +3,104 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from dnanalyze.description.found import Estimate, Sizes, random_sizes
+from dnanalyze.description.found import Estimate, Sizes, distribution, random_sizes
 from dnanalyze.description.layers import Layers
 from dnanalyze.model.composite.effect import CompositeEffect
-from dnanalyze.robust import robust_deviation
-from dnanalyze.significance import CLEAR
+from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
+from dnanalyze.robust import QUARTILES, robust_deviation
+from dnanalyze.significance import CLEAR, STATED
+
+LINES = (("row", 1), ("column", 0))  # and the axis along them
+BRIDGE_VARIANCE = 1 / 45  # of a squared Brownian bridge of mean 1/6 (Cramer and von Mises)
+COLUMN_SHARE = 0.25  # correlation along the rows over that along the columns: crosstalk has 1
 
 
-def variance_lines(seen: Layers) -> list[Estimate]:
-    """A share of the rows, or of the columns, with an additional noise."""
-    if not seen.several:
-        return []
-    found = []
-    for where, axis in (("row", 1), ("column", 0)):
-        lines = [t.line_variances(axis) / t.noise**2 for t in seen.taken]
-        mean = np.mean(lines, axis=0)
-        middle = float(np.median(mean))
-        error = robust_deviation(mean, middle)
-        chosen = mean > middle + CLEAR * max(error, 1e-9)
-        if not _few(chosen):
-            continue
-        excess = [x[chosen] - np.median(x[~chosen]) for x in lines]
-        size = np.array([float(x.mean()) for x in excess]) * [t.noise**2 for t in seen.taken]
-        scatter = np.array([robust_deviation(x) for x in lines]) / math.sqrt(chosen.sum())
-        sizes = Sizes(size, scatter * [t.noise**2 for t in seen.taken], squares=True)
-        gain = float(np.sum(((mean[chosen] - middle) / error) ** 2))
-        words = {"what": "noise", "where": where, "distribution": "two_level"}
-        found.append(_of_lines(seen, chosen, words, gain, sizes))
-    return found
+def few_lines(seen: Layers) -> Iterator[Estimate]:
+    """Rows or columns that are noisier, change their level, or jump within a frame."""
+    for where, axis in LINES:
+        for found in (
+            _noisy(seen, where, axis),
+            _changing(seen, where, axis),
+            _jumping(seen, where, axis),
+        ):
+            if found is not None:
+                yield found
 
 
-def changing_lines(seen: Layers) -> list[Estimate]:
-    """A few rows or columns whose level changes from frame to frame."""
-    found = []
-    for where, axis in (("row", 2), ("column", 1)):
-        means = [t.temporal.mean(axis=axis, dtype=float) for t in seen.taken]
-        means = [m - np.median(m, axis=1, keepdims=True) for m in means]
-        length = seen.taken[0].frames.shape[axis]
-        chance = [
-            max(t.noise**2 / length, robust_deviation(m, 0.0) ** 2)
-            for t, m in zip(seen.taken, means, strict=True)
-        ]
-        score = sum(np.sum(m**2, axis=0) / c for m, c in zip(means, chance, strict=True))
-        score = np.asarray(score, float)
-        count = sum(len(m) - 1 for m in means)
-        middle = float(np.median(score))
-        error = max(math.sqrt(2.0 * count), robust_deviation(score, middle))
-        chosen = score > middle + CLEAR * error
-        if not _few(chosen):
-            continue
-        sizes, gain = random_sizes([m[:, chosen] for m in means], chance)
-        values = np.concatenate([m[:, chosen].ravel() for m in means])
-        two = _two_levels(values, np.array([len(m) for m in means]))
-        words = {"where": where, "distribution": "two_level" if two else "normal"}
-        found.append(_of_lines(seen, chosen, {"when": "frame"} | words, gain, sizes, count))
-    return found
+def _noisy(seen: Layers, where: str, axis: int) -> Estimate | None:
+    """Lines with an additional noise."""
+    score = np.mean([t.line_variances(axis) / t.noise**2 for t in seen.taken], axis=0)
+    chosen, gain = _outliers(score, 1e-9)
+    if not chosen.any():
+        return None
+    words = {"what": "noise", "where": where, "distribution": "two_level"}
+    return _of_lines(seen, chosen, words, gain, _more_variance(seen, axis, chosen))
 
 
-def segments(seen: Layers) -> list[Estimate]:
+def _changing(seen: Layers, where: str, axis: int) -> Estimate | None:
+    """Lines whose level changes from frame to frame."""
+    means = [t.temporal.mean(axis=axis + 1, dtype=float) for t in seen.taken]
+    means = [m - np.median(m, axis=1, keepdims=True) for m in means]
+    chance = [
+        max(t.noise**2 / seen.window.shape[axis], robust_deviation(m, 0.0) ** 2)
+        for t, m in zip(seen.taken, means, strict=True)
+    ]
+    score = sum(np.sum(m**2, axis=0) / c for m, c in zip(means, chance, strict=True))
+    count = sum(len(m) - 1 for m in means)
+    chosen, _ = _outliers(np.asarray(score), math.sqrt(2.0 * count))
+    if not chosen.any():
+        return None
+    series = [m[:, chosen] for m in means]
+    sizes, gain = random_sizes(series, chance)
+    words = {"when": "frame", "where": where, "distribution": distribution(series)}
+    return _of_lines(seen, chosen, words, gain, sizes, count)
+
+
+def _jumping(seen: Layers, where: str, axis: int) -> Estimate | None:
     """Lines that jump between two levels within a frame: bridges of their running sums."""
-    found = []
-    for where, axis in (("column_segments", 1), ("row_segments", 2)):
-        scores, count = 0.0, 0
-        for t in seen.taken:
-            rest = t.temporal / np.float32(t.noise)
-            length = rest.shape[axis]
-            sums = np.cumsum(rest - rest.mean(axis=axis, keepdims=True), axis=axis)
-            scores = scores + np.sum(np.mean((sums / math.sqrt(length)) ** 2, axis=axis), axis=0)
-            count += len(rest) - 1
-        score = np.asarray(scores, float) / (count + len(seen.taken))
-        middle = float(np.median(score))
-        # a squared Brownian bridge has mean 1/6 and variance 1/45 (Cramer and von Mises)
-        error = max(math.sqrt(1 / 45 / count), robust_deviation(score, middle))
-        chosen = score > middle + CLEAR * error
-        if not _few(chosen):
-            continue
-        gain = float(np.sum(((score[chosen] - middle) / error) ** 2))
-        values, errors = [], []
-        for t in seen.taken:
-            line = t.frames.var(axis=0, ddof=1, dtype=float).clip(0, (6 * t.noise) ** 2)
-            by_line = line.mean(axis=axis - 1)
-            values.append(float(by_line[chosen].mean() - np.median(by_line[~chosen])))
-            scatter = float(by_line.std()) if chosen.sum() < 2 else float(by_line[chosen].std())
-            errors.append(max(scatter / math.sqrt(chosen.sum()), 1e-9))
-        sizes = Sizes(np.array(values), np.array(errors), squares=True)
-        words = {"when": "frame", "where": where, "distribution": "two_level"}
-        found.append(_of_lines(seen, chosen, words, gain, sizes, count))
-    return found
+    along = axis + 1
+    length = seen.window.shape[axis]
+    score, count = np.zeros(1), 0
+    for t in seen.taken:
+        rest = t.temporal / np.float32(t.noise)
+        sums = np.cumsum(rest - rest.mean(axis=along, keepdims=True), axis=along)
+        score = score + np.sum(np.mean(sums**2 / length, axis=along, dtype=float), axis=0)
+        count += len(rest) - 1
+    score = score / (count + len(seen.taken))
+    chosen, gain = _outliers(score, math.sqrt(BRIDGE_VARIANCE / count))
+    if not chosen.any():
+        return None
+    words = {"when": "frame", "where": f"{where}_segments", "distribution": "two_level"}
+    return _of_lines(seen, chosen, words, gain, _more_variance(seen, axis, chosen), count)
 
 
-def _few(chosen: np.ndarray) -> bool:
-    """Whether some lines are chosen, and fewer than half of them: what most have is no defect."""
-    return bool(0 < chosen.mean() < 0.5)
+def _outliers(score: np.ndarray, least: float) -> tuple[np.ndarray, float]:
+    """Lines of a score beyond chance, of a scatter of at least so much, and their sum of squares.
+
+    None where half of them are or more: what most have is no defect.
+    """
+    middle = float(np.median(score))
+    pulls = (score - middle) / max(least, robust_deviation(score, middle))
+    chosen = pulls > CLEAR
+    if chosen.mean() >= 0.5:
+        chosen = np.zeros_like(chosen)
+    return chosen, float(np.sum(pulls[chosen] ** 2))
+
+
+def _more_variance(seen: Layers, axis: int, chosen: np.ndarray) -> Sizes:
+    """Variance of chosen lines beyond that of the others at every point, DN^2."""
+    values, errors = [], []
+    for t in seen.taken:
+        lines = t.line_variances(axis)
+        scatter = lines[chosen].std() if chosen.sum() > 1 else robust_deviation(lines)
+        values.append(float(lines[chosen].mean() - np.median(lines[~chosen])))
+        errors.append(max(float(scatter) / math.sqrt(chosen.sum()), 1e-9))
+    return Sizes(np.array(values), np.array(errors), squares=True)
 
 
 def _of_lines(
@@ -112,31 +114,48 @@ def _of_lines(
     """The structure of chosen lines. ``count``: independent frames that told each of them."""
     share = float(chosen.mean())
     first = seen.window.top if words["where"].startswith("row") else seen.window.left
-    effect = CompositeEffect(share=share, lines=_runs(chosen, first), **words)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]))) + first
+    # first and last line of each run of chosen ones, one pair after the other
+    runs = tuple(float(n) - k % 2 for k, n in enumerate(edges))
+    effect = CompositeEffect(share=share, lines=runs, **words)
     spread = math.sqrt(share * (1 - share) / chosen.size)
     price = (float(chosen.sum()) + 2.0) * math.log(chosen.size * count)
     return Estimate(effect, {"share": spread}, gain, price, sizes)
 
 
-def _runs(chosen: np.ndarray, first: int) -> tuple[float, ...]:
-    """First and last line of each run of chosen ones, one pair after the other."""
-    edges = np.diff(np.concatenate([[0], chosen.astype(int), [0]]))
-    starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
-    return tuple(float(n + first) for pair in zip(starts, ends, strict=True) for n in pair)
+def row_before(seen: Layers) -> Iterator[Estimate]:
+    """A share of the row before in every row: neighbours correlate along the columns alone.
 
-
-def _two_levels(values: np.ndarray, frames: np.ndarray) -> bool:
-    """Whether values less the means of n frames are of two levels, by their fourth moment.
-
-    Over the square of the second it is 3 of a normal distribution. Of two levels with k of n up, p
-    = k / n, it is 16 E[p q (1 - 3 p q)] over (4 E[p q])^2: 1.6 of six frames.
+    y_i = x_i + g x_(i-1) has the correlation g / (1 + g^2) at a lag of one row and none at two.
+    Which of the two rows keeps the share of the other, the fixed hot pixels tell.
     """
-    if values.size < 200:  # the moment of so many normal values has an error of sqrt(24 / n) = .35
-        return False
-    n = max(int(np.median(frames)), 2)
-    k = np.arange(n + 1)
-    odds = np.array([math.comb(n, int(i)) for i in k]) / 2.0**n
-    pq = k / n * (1.0 - k / n)
-    two = float(odds @ (pq * (1.0 - 3.0 * pq))) / float(odds @ pq) ** 2
-    ratio = float(np.mean(values**4) / np.mean(values**2) ** 2)
-    return ratio < (two + 3.0) / 2.0
+    values, errors, gain, along = [], [], 0.0, 0.0
+    for t in seen.taken:
+        rest = t.temporal / np.float32(t.noise)
+        rest = rest - rest.mean(axis=1, keepdims=True) - rest.mean(axis=2, keepdims=True)
+        # the rounding of the codes comes after the share is taken, and is not shared
+        power = max(float(np.mean(rest * rest)) - ROUNDING_VARIANCE / t.noise**2, 1e-9)
+        one = float(np.mean(rest[:, 1:] * rest[:, :-1])) / power
+        two = float(np.mean(rest[:, 2:] * rest[:, :-2])) / power
+        side = float(np.mean(rest[:, :, 1:] * rest[:, :, :-1])) / power
+        r = min(max(one - two, -0.49), 0.49)
+        count = rest[0].size * (len(rest) - 1.0)
+        share = 2.0 * r / (1.0 + math.sqrt(1.0 - 4.0 * r * r))
+        values.append(share)
+        # of two correlations by chance, and the slope of the share over the correlation
+        errors.append(math.sqrt(2.0 / count) * (1.0 + share**2) ** 2 / (1.0 - share**2))
+        gain += max(r, 0.0) ** 2 * count / 2.0
+        along += (side - two) * count / 2.0 * r
+    if along <= COLUMN_SHARE * gain and _falls_on_the_next(seen):
+        effect = CompositeEffect(what="gain", where="row_before")
+        price = 3.0 * math.log(seen.taken[0].frames.size)
+        yield Estimate(effect, {}, gain, price, Sizes(np.array(values), np.array(errors)))
+
+
+def _falls_on_the_next(seen: Layers) -> bool:
+    """Whether rows behind hot pixels are brighter than those before, at the warmest point."""
+    mean = seen.taken[int(np.argmax(seen.dark))].mean
+    rest = mean - np.median(mean)
+    low, high = np.percentile(rest, (25, 75))
+    hot = rest[1:-1] > STATED * (high - low) / QUARTILES
+    return bool(np.sum((rest[2:] - rest[:-2])[hot]) > 0)

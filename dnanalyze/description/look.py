@@ -18,34 +18,19 @@ BINS = 48
 
 @dataclass(frozen=True)
 class Look:
-    """Arrays of the figure.
+    """Arrays of the figure."""
 
-    Parameters
-    ----------
-    map : ndarray
-        Residual map, DN, means of blocks.
-    title : str
-        Of the map.
-    x, y : ndarray
-        Profile along the geometry.
-    along : str
-        Label of ``x``.
-    points : list of OperatingPoint
-    sizes, errors : ndarray
-        Amplitude at each of them, DN.
-    fitted : ndarray
-        By the law.
-    """
-
-    map: np.ndarray
-    title: str
+    map: np.ndarray  # residual map, DN, means of blocks
+    title: str  # of the map
+    # Profile along the geometry.
     x: np.ndarray
     y: np.ndarray
-    along: str
+    along: str  # label of ``x``
     points: list[OperatingPoint]
+    # Amplitude at each of them, DN.
     sizes: np.ndarray
     errors: np.ndarray
-    fitted: np.ndarray
+    fitted: np.ndarray  # by the law
 
 
 def look(found: Estimate, seen: Layers) -> Look:

@@ -11,6 +11,7 @@ from dnanalyze.diagnosis.explain import evidence_against
 from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.digits import number
+from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State
@@ -19,7 +20,6 @@ from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE
 
-REFIT_STEPS = 4
 PROMISING = 2  # largest score tests: the effect that is missing, and what it is confounded with
 # By geometry and time: what the catalogue has that leaves power at the same place.
 NEAREST_BY_KIND = {
@@ -44,20 +44,11 @@ NOISE = ("column_noise", "heavy_tailed_read_noise")
 
 @dataclass(frozen=True)
 class Nearest:
-    """An effect of the catalogue instead of the structure.
-
-    Parameters
-    ----------
-    effect : str
-    error_after : float
-        Model error with it; NaN where it shows no sign or is in the model already.
-    why : str
-        Why it fails.
-    """
+    """An effect of the catalogue instead of the structure."""
 
     effect: str
-    error_after: float
-    why: str
+    error_after: float  # model error with it; NaN where it shows no sign or is in the model already
+    why: str  # why it fails
 
 
 def as_good(near: Sequence[Nearest], error: float) -> str | None:
@@ -90,16 +81,13 @@ def nearest(
     nan = float("nan")
     found = []
     for name in dict.fromkeys([*(n for n in alike if n in known), *list(guesses)[:PROMISING]]):
+        error, why = nan, "not indicated by the statistics"
         if state.model.get(name) is not None:
-            error = error_of(problem, state)
-            found.append(Nearest(name, nan, f"already in the model, model error {number(error)}"))
-            continue
-        if name not in guesses:
-            found.append(Nearest(name, nan, "not indicated by the statistics"))
-            continue
-        larger = guesses[name].model
-        begun = begun_at(problem, larger, like=state)
-        rival = minimise(problem, begun, REFIT_STEPS)
-        why = evidence_against(problem, rival, ended, name, CompositeEffect.name)
-        found.append(Nearest(name, error_of(problem, rival), why or "explains nearly as much"))
+            why = f"already in the model, model error {number(error_of(problem, state))}"
+        elif name in guesses:
+            begun = begun_at(problem, guesses[name].model, like=state)
+            rival = minimise(problem, begun, FIT_STEPS)
+            against = evidence_against(problem, rival, ended, name, CompositeEffect.name)
+            error, why = error_of(problem, rival), against or "explains nearly as much"
+        found.append(Nearest(name, error, why))
     return found

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property
 
 import numpy as np
 from scipy.stats import chi2
 
 from dnanalyze.comparator.error import ERROR_SCATTER, pooled
-from dnanalyze.description.found import grown
+from dnanalyze.description.law import grown
 from dnanalyze.description.layers import CLIP, robust
 from dnanalyze.description.shrinkage import factors, filtered
 from dnanalyze.digits import number
@@ -34,6 +34,7 @@ REPLICATES = 4  # simulated sensors: the power of a band of n modes is known to 
 # gain of blocks, wave) the second changes the rms of the map by up to a factor of 2, the third by
 # 4 % at most, a fourth and further ones by nothing.
 ROUNDS = 3
+Learned = tuple[PatternMap, np.ndarray, np.ndarray]
 # eV: slopes outside .2 to 1.5 eV are no generation of charge; .01 is less than the usual error
 ENERGIES = np.arange(0.05, 1.505, 0.01)
 
@@ -192,41 +193,34 @@ def learn_pattern(
     seen = halves(captures)
     on_progress("simulated sensors")
     chance = [halves(_other(captures, model, r)) for r in range(REPLICATES)]
-    points = [s.point for s in captures.settings]
-    make = partial(_learned, points=points, reference=model.reference)
+
+    def learned(part: str, without: Half | None = None) -> Learned:
+        """Of a part of the frames, without an operating point."""
+        those = [n for n, h in enumerate(seen) if h is not without]
+        used = [seen[n] for n in those]
+        maps = [[getattr(of[n], part) for n in those] for of in (seen, *chance)]
+        return _learned(maps, used, model.reference)
+
     on_progress("the map")
-    whole, sizes, errors = make([h.mean for h in seen], [[h.mean for h in c] for c in chance], seen)
-    even, _, _ = make([h.even for h in seen], [[h.even for h in c] for c in chance], seen)
-    left_out = [
-        _predicted(
-            make(
-                [h.mean for k, h in enumerate(seen) if k != n],
-                [[h.mean for k, h in enumerate(c) if k != n] for c in chance],
-                [h for k, h in enumerate(seen) if k != n],
-                points=[p for k, p in enumerate(points) if k != n],
-            )[0],
-            [seen[n].odd],
-            [seen[n].even],
-            [points[n]],
-            model.reference,
-        )
-        for n in range(len(seen))
-        if len(seen) > 2
+    whole, sizes, errors = learned("mean")
+    even, _, _ = learned("even")
+    others = [
+        _predicted(learned("mean", h)[0], [h], model.reference) for h in seen if len(seen) > 2
     ]
     on_progress("unseen frames")
     before, after = _unseen_error(captures, model, even)
     return LearnedPattern(
         captures,
-        whole,
-        model.with_effect(whole),
-        float(whole.map.array.std()),
-        sizes,
-        errors,
-        points,
-        _predicted(even, [h.odd for h in seen], [h.even for h in seen], points, model.reference),
-        float(np.mean(left_out)) if left_out else float("nan"),
-        before,
-        after,
+        effect=whole,
+        model=model.with_effect(whole),
+        rms=float(whole.map.array.std()),
+        sizes=sizes,
+        errors=errors,
+        points=[h.point for h in seen],
+        frames_share=_predicted(even, seen, model.reference),
+        points_share=float(np.mean(others)) if others else float("nan"),
+        error_before=before,
+        error_after=after,
     )
 
 
@@ -259,46 +253,45 @@ def _repeated(captures: CaptureSet) -> CaptureSet:
 
 
 @dataclass(frozen=True)
-class Halves:
+class Half:
     """Mean of the even and of the odd frames of an operating point, less their medians, DN."""
 
+    point: OperatingPoint
     even: np.ndarray
     odd: np.ndarray
     count: int
 
     @property
+    def _evens(self) -> int:
+        return (self.count + 1) // 2
+
+    @cached_property
     def mean(self) -> np.ndarray:
         """Mean of all frames."""
-        evens = (self.count + 1) // 2
-        return (evens * self.even + (self.count - evens) * self.odd) / self.count
+        return (self._evens * self.even + (self.count - self._evens) * self.odd) / self.count
 
-    @property
+    @cached_property
     def noise(self) -> float:
         """Variance of chance in the mean of all frames, DN^2."""
-        evens = (self.count + 1) // 2
-        parts = 1.0 / evens + 1.0 / (self.count - evens)
-        return robust(self.even - self.odd) ** 2 / parts / self.count
+        parts = 1.0 / self._evens + 1.0 / (self.count - self._evens)
+        return max(robust(self.even - self.odd) ** 2 / parts / self.count, 1e-12)
 
 
-def halves(captures: CaptureSet) -> list[Halves]:
+def halves(captures: CaptureSet) -> list[Half]:
     """Mean frames of each operating point, hot pixels cut."""
     found = []
     for setting in captures.settings:
-        sums = np.zeros((2, *captures.sensor.shape))
-        for n, frame in enumerate(setting.frames):
-            sums[n % 2] += frame.read()
-        count = len(setting.frames)
-        even, odd = sums[0] / ((count + 1) // 2), sums[1] / max(count // 2, 1)
+        even, odd = (
+            np.mean([f.read() for f in setting.frames[n::2]], axis=0, dtype=float) for n in (0, 1)
+        )
         middle = (even + odd) / 2
-        low, spread = float(np.median(middle)), robust(middle)
-        limit = CLIP * spread
-        hot = np.abs(middle - low) > limit
-        made = []
-        for side in (even, odd):
-            rest = side - np.median(side)
-            rest[hot] = 0.0
-            made.append(np.clip(rest, -limit, limit))
-        found.append(Halves(made[0], made[1], count))
+        limit = CLIP * robust(middle)
+        hot = np.abs(middle - np.median(middle)) > limit
+        made = [
+            np.clip(np.where(hot, 0.0, side - np.median(side)), -limit, limit)
+            for side in (even, odd)
+        ]
+        found.append(Half(setting.point, made[0], made[1], len(setting.frames)))
     return found
 
 
@@ -310,41 +303,35 @@ def _other(captures: CaptureSet, model: NoiseModel, replicate: int) -> CaptureSe
 
 
 def _learned(
-    maps: Sequence[np.ndarray],
-    chance: Sequence[Sequence[np.ndarray]],
-    seen: Sequence[Halves],
-    *,
-    points: Sequence[OperatingPoint],
-    reference: OperatingPoint,
-) -> tuple[PatternMap, np.ndarray, np.ndarray]:
+    maps: Sequence[Sequence[np.ndarray]], seen: Sequence[Half], reference: OperatingPoint
+) -> Learned:
     """The pattern, its size at each operating point relative to the reference, and their errors.
 
-    The bands that hold structure are found with one size everywhere; the structure in them tells
-    the law, and the law the weights of the final map.
+    ``maps``: of the sensor and of simulated ones, of every operating point. The bands that hold
+    structure are found with one size everywhere; the structure in them tells the law, and the law
+    the weights of the final map.
     """
-    weight = np.array([1.0 / max(h.noise, 1e-12) for h in seen])
-    law, energy = "constant", 0.0
+    weight = np.array([1.0 / h.noise for h in seen])
+    points = [h.point for h in seen]
+    energy: float | None = None
     for _ in range(ROUNDS):
-        growth = _growth(law, energy, points, reference)
-        norm = float(np.sum(weight * growth**2))
-        joined = [
-            sum(w * g * m for w, g, m in zip(weight, growth, of, strict=True)) / norm
-            for of in (maps, *chance)
-        ]
-        kept = factors(joined[0], joined[1:])
+        growth = _growth(energy, points, reference)
+        shares = weight * growth / float(np.sum(weight * growth**2))
+        joined, *chance = (np.tensordot(shares, of, 1) for of in maps)
+        kept = factors(joined, chance)
         sizes, errors = _sizes(seen, weight * growth, kept)
-        law, energy = _law(sizes, errors, points, reference)
-    array = filtered(joined[0], kept)
-    made = PatternMap(law=law, ea_ev=energy if law == "thermal" else 0.6, map=FieldMap(array))
-    known = np.where(np.isfinite(errors), 1.0 / np.maximum(errors, 1e-12) ** 2, 0.0)
-    total = float(np.sum(known * growth**2))
-    scale = float(np.sum(known * growth * sizes)) / total if total > 0 else 0.0
+        energy = _energy(sizes, errors, points, reference)
+    law, ea_ev = ("constant", 0.6) if energy is None else ("thermal", energy)
+    made = PatternMap(law=law, ea_ev=ea_ev, map=FieldMap(filtered(joined, kept)))
+    known = errors**-2.0  # 0 of infinite errors
+    total = float(known @ growth**2)
+    scale = float(known @ (growth * sizes)) / total if total > 0 else 0.0
     scale = scale if scale > 0 else 1.0
     return made, sizes / scale, errors / scale
 
 
 def _sizes(
-    seen: Sequence[Halves], weight: np.ndarray, kept: np.ndarray
+    seen: Sequence[Half], weight: np.ndarray, kept: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Relative size of the structure at each operating point, with standard errors.
 
@@ -352,72 +339,63 @@ def _sizes(
     of each: no chance is common to both.
     """
     total = sum(w * h.even for w, h in zip(weight, seen, strict=True))
-    sizes, errors = [], []
+    found = []
     for w, half in zip(weight, seen, strict=True):
         others = filtered(total - w * half.even if len(seen) > 1 else half.even, kept)
         power = float(np.sum(others.astype(float) ** 2))
         if power <= 0:
-            sizes.append(0.0)
-            errors.append(math.inf)
+            found.append((0.0, math.inf))
             continue
         slope = float(np.sum(half.odd * others)) / power
-        rest = half.odd - slope * others
-        sizes.append(slope * math.sqrt(power))
-        errors.append(math.sqrt(float(np.mean(rest**2))))
-    return np.array(sizes), np.array(errors)
+        rest = max(float(np.mean((half.odd - slope * others) ** 2)), 1e-24)
+        found.append((slope * math.sqrt(power), math.sqrt(rest)))
+    sizes, errors = np.array(found).T
+    return sizes, errors
 
 
-def _law(
+def _energy(
     sizes: np.ndarray,
     errors: np.ndarray,
     points: Sequence[OperatingPoint],
     reference: OperatingPoint,
-) -> tuple[str, float]:
-    """Constant, or thermal with its energy where that is clearly better."""
-    temperatures = {p.temperature_c for p in points} - {None}
+) -> float | None:
+    """Activation energy of the sizes, eV, where that is clearly better than a constant."""
     usable = np.isfinite(errors)
-    if len(temperatures) < 2 or not usable.any():
-        return "constant", 0.0
+    if len({p.temperature_c for p in points} - {None}) < 2 or not usable.any():
+        return None
 
-    def misfit(law: str, energy: float) -> float:
-        growth = _growth(law, energy, points, reference)[usable]
+    def misfit(energy: float | None) -> float:
+        growth = _growth(energy, points, reference)[usable]
         y, w = sizes[usable], 1.0 / errors[usable] ** 2
         level = max(float(np.sum(w * growth * y) / np.sum(w * growth**2)), 0.0)
         return float(np.sum(w * (y - level * growth) ** 2))
 
-    best = least_energy(partial(misfit, "thermal"), ENERGIES)
-    if misfit("constant", 0.0) - misfit("thermal", best) > chi2.isf(RARE, 1):
-        return "thermal", best
-    return "constant", 0.0
+    best = least_energy(misfit, ENERGIES)
+    return best if misfit(None) - misfit(best) > chi2.isf(RARE, 1) else None
 
 
 def _growth(
-    law: str, energy: float, points: Sequence[OperatingPoint], reference: OperatingPoint
+    energy: float | None, points: Sequence[OperatingPoint], reference: OperatingPoint
 ) -> np.ndarray:
-    """Size at each operating point relative to the reference."""
-    if law == "constant" or reference.temperature_c is None:
+    """Size at each operating point relative to the reference; without an energy the same."""
+    if energy is None or reference.temperature_c is None:
         return np.ones(len(points))
     return grown(points, reference, energy)
 
 
-def _predicted(
-    effect: PatternMap,
-    unseen: Sequence[np.ndarray],
-    seen: Sequence[np.ndarray],
-    points: Sequence[OperatingPoint],
-    reference: OperatingPoint,
-) -> float:
-    """Share of the variance of the fixed pattern that a map predicts.
+def _predicted(effect: PatternMap, seen: Sequence[Half], reference: OperatingPoint) -> float:
+    """Share of the variance of the fixed pattern in the odd frames that a map predicts.
 
     The variance is the covariance of two halves of the frames, in which no chance is common.
     """
-    growth = _growth(effect.law, effect.ea_ev, points, reference)
+    energy = effect.ea_ev if effect.law == "thermal" else None
+    growth = _growth(energy, [h.point for h in seen], reference)
     explained = whole = 0.0
-    for g, odd, even in zip(growth, unseen, seen, strict=True):
+    for g, h in zip(growth, seen, strict=True):
         predicted = g * effect.map.array
-        noise = max(float(np.var(odd - even)), 1e-12)
-        explained += float(np.mean(2.0 * odd * predicted - predicted**2)) / noise
-        whole += max(float(np.mean(odd * even)), 0.0) / noise
+        noise = max(float(np.var(h.odd - h.even)), 1e-12)
+        explained += float(np.mean(2.0 * h.odd * predicted - predicted**2)) / noise
+        whole += max(float(np.mean(h.odd * h.even)), 0.0) / noise
     return explained / whole if whole > 0 else float("nan")
 
 

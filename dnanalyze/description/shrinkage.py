@@ -20,49 +20,19 @@ def bands(shape: tuple[int, int]) -> np.ndarray:
     """Frequency band of each mode of `numpy.fft.rfft2`: octaves, the lowest of 1 to 4 periods.
 
     Means of whole columns (no vertical frequency) and of whole rows have bands of their own: fixed
-    patterns of lines are there, and are lost among the modes of a ring.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        (rows, columns).
-
-    Returns
-    -------
-    ndarray of int
-        (rows, columns // 2 + 1); 0 is the mean.
-
-    Examples
-    --------
-    >>> from dnanalyze.description.shrinkage import bands
-    >>> bands((8, 8))[0, 0]
-    np.int64(0)
+    patterns of lines are there, and are lost among the modes of a ring. 0 is the mean.
     """
     v = np.abs(np.fft.fftfreq(shape[0]))[:, None]
     u = np.fft.rfftfreq(shape[1])[None, :]
-    f = np.hypot(u, v)
     periods = np.hypot(u * shape[1], v * shape[0])
     octave = np.ceil(np.log2(np.maximum(periods, 1.0)) - 1e-9).astype(int)
     ring = np.maximum(octave - LOWEST_OCTAVE, 0)
     kind = np.where(v == 0, 1, np.where(u == 0, 2, 0))
-    return np.where(f == 0, 0, 1 + 3 * ring + kind)
+    return np.where(periods == 0, 0, 1 + 3 * ring + kind)
 
 
 def powers(maps: Sequence[np.ndarray], which: np.ndarray) -> np.ndarray:
-    """Mean power of each band over several maps, DN^2.
-
-    Parameters
-    ----------
-    maps : sequence of ndarray
-        (rows, columns) each, DN.
-    which : ndarray
-        From `bands`.
-
-    Returns
-    -------
-    ndarray
-        (bands,).
-    """
+    """Mean power of each of the `bands` over several maps, DN^2."""
     flat = which.ravel()
     count = np.maximum(np.bincount(flat), 1)
     total = sum(np.bincount(flat, (np.abs(np.fft.rfft2(m)) ** 2).ravel()) for m in maps)
@@ -72,32 +42,12 @@ def powers(maps: Sequence[np.ndarray], which: np.ndarray) -> np.ndarray:
 def shrinkage(
     seen: np.ndarray, chance: np.ndarray, modes: np.ndarray, replicates: int
 ) -> np.ndarray:
-    """Factor of each band: what is left of a map when chance is taken off.
+    """Factor of each band, 0 to 1: what is left of a map when chance is taken off.
 
     The positive-part estimator of James and Stein (1961) for a mean of n numbers of known variance,
-    1 - (n - 2) / n variance / mean square, with two numbers a mode; 0 for bands of too few
-    modes, and for those whose power does not exceed chance by `POWER_ERRORS` standard errors.
-
-    Parameters
-    ----------
-    seen, chance : ndarray
-        Mean power of the map, and of maps without structure, by band.
-    modes : ndarray
-        Number of modes of each band.
-    replicates : int
-        Maps behind ``chance``.
-
-    Returns
-    -------
-    ndarray
-        (bands,), 0 to 1; 0 for the mean.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from dnanalyze.description.shrinkage import shrinkage
-    >>> shrinkage(np.array([1.0, 4.0]), np.array([1.0, 1.0]), np.array([1, 100]), 4)
-    array([0.    , 0.7525])
+    1 - (n - 2) / n variance / mean square, with two numbers a mode; 0 for the mean, for bands of
+    too few modes, and for those whose power does not exceed chance by `POWER_ERRORS` standard
+    errors. ``chance``: mean power of ``replicates`` maps without structure.
     """
     n = 2.0 * modes
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -110,23 +60,10 @@ def shrinkage(
 
 
 def factors(seen: np.ndarray, chance: Sequence[np.ndarray]) -> np.ndarray:
-    """Shrinkage of each mode of a map.
-
-    Parameters
-    ----------
-    seen : ndarray
-        (rows, columns), DN.
-    chance : sequence of ndarray
-        Maps of the same design without the structure, of simulated sensors.
-
-    Returns
-    -------
-    ndarray
-        (rows, columns // 2 + 1), 0 to 1.
-    """
+    """Shrinkage of each mode of a map; ``chance``: maps of simulated sensors without structure."""
     which = bands((seen.shape[0], seen.shape[1]))
     modes = np.bincount(which.ravel())
-    power, expected = powers([seen], which), powers(list(chance), which)
+    power, expected = powers([seen], which), powers(chance, which)
     return shrinkage(power, expected, modes, len(chance))[which]
 
 

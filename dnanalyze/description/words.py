@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from dnanalyze.description.found import Estimate, apparent_energy
+from dnanalyze.description.found import Estimate
+from dnanalyze.description.law import apparent_energy
 from dnanalyze.description.layers import Layers
 from dnanalyze.digits import number, with_error
 from dnanalyze.loaders.captures import OperatingPoint
@@ -176,8 +175,3 @@ def _law(found: Estimate, seen: Layers) -> str:
         ("gain", [p.gain for p in seen.points]),
     ) if len(set(values)) > 1]  # fmt: skip
     return f"the same at every {' and '.join(varied) or 'operating point'}"
-
-
-def amplitudes(found: Estimate) -> tuple[np.ndarray, np.ndarray]:
-    """Size at every operating point with its standard error, DN."""
-    return found.sizes.amplitudes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import nullcontext
 from dataclasses import replace
@@ -14,14 +15,16 @@ from dnanalyze.detection.estimate import effect_of, estimate, tail_bounds
 from dnanalyze.detection.evidence import SATURATED, VIEWS, ViewEvidence, gather, listed
 from dnanalyze.detection.results import Detection, Finding
 from dnanalyze.detection.sample import SMALLEST, Group, across, groups, read
-from dnanalyze.detection.series import SuppressionSeries, suppression_series
-from dnanalyze.detection.verdict import FINE, TestResult, ask, decide, reason
+from dnanalyze.detection.series import suppression_series
+from dnanalyze.detection.verdict import ask, decide, settled
 from dnanalyze.executors import in_order
-from dnanalyze.loaders.captures import CaptureSet, OperatingPoint
+from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.progress import Progress
 from dnanalyze.significance import RARE
 
 WORKERS = 2  # groups in memory at a time
+LIKE_CROSSTALK = ("rank_exceedance", "spectral_corner", "crosstalk_or_denoise")
+CLOSE = 0.3  # of the limit, from which a significant effect is told
 
 
 def detect(
@@ -70,25 +73,23 @@ def detect(
         )
         if entry:
             evidence_cache.write(entry, evidence)
-    answers = ask(evidence, alpha)
-    kind, flags = decide(answers)
-    filter_estimate = estimate(kind, flags, evidence) if flags else None
-    series = _series(evidence)
-    also = _also(kind, answers)
+    asked = ask(evidence, alpha)
+    kind, flags = decide(asked)
+    also = _also(kind, asked)
+    estimated = estimate(kind, flags, evidence) if flags else None
     return Detection(
         captures,
         filtered=kind != "none",
         kind=kind,
         confidence=_confidence(flags, evidence),
-        estimate=filter_estimate,
+        estimate=estimated,
         also=also,
-        findings=tuple(_finding(a, kind, a in flags, also, alpha) for a in answers),
+        findings=settled(asked, kind, flags, also, alpha),
         evidence=_words(flags),
-        ambiguous=_ambiguous(kind, answers, evidence, alpha),
-        tail=tail_bounds(filter_estimate, evidence) if filter_estimate and kind == "dpc" else (),
-        effect=effect_of(kind, filter_estimate, evidence) if filter_estimate else {},
-        series=series,
-        answers=tuple(answers),
+        ambiguous=_ambiguous(kind, asked, evidence, alpha),
+        tail=tail_bounds(estimated, evidence) if estimated and kind == "dpc" else (),
+        effect=effect_of(kind, estimated, evidence) if estimated else {},
+        series=suppression_series(evidence),
     )
 
 
@@ -140,66 +141,42 @@ def _with_lists(evidence: list[ViewEvidence], series: Group | None) -> list[View
     return [replace(e, listed=sites.pop(e.view, None)) for e in evidence]
 
 
-def _finding(
-    answer: TestResult, kind: str, speaks: bool, also: tuple[str, ...], alpha: float
-) -> Finding:
-    a = answer.asked
-    return Finding(
-        a.test,
-        a.kind,
-        None if a.everywhere else a.evidence.point.temperature_c,
-        min(a.p, 1.0),
-        a.effect,
-        speaks,
-        a.evidence.view,
-        a.words,
-        a.limit if answer.judge else np.inf,
-        reason(answer, kind, speaks, also, alpha),
-    )
-
-
-def _confidence(flags: list[TestResult], evidence: list[ViewEvidence]) -> float:
+def _confidence(flags: Sequence[Finding], evidence: list[ViewEvidence]) -> float:
     """One minus the corrected p-value; for "none", the share of settings fit for the tests."""
     if flags:
-        return float(np.clip(1 - min(a.holm for a in flags), 0.0, 0.9999))
-    fit = [e.usable and e.temporal and not e.full and e.noise >= e.step for e in evidence]
+        return float(np.clip(1 - min(f.holm for f in flags), 0.0, 0.9999))
+    fit = [e.usable and e.temporal and not e.full and e.fine for e in evidence]
     return float(np.mean(fit)) if fit else 0.0
 
 
-def _also(kind: str, answers: list[TestResult]) -> tuple[str, ...]:
-    """Other kinds with flags; denoise brings those of a correction with it, so they are not
-    named.
-    """
-    hidden = {kind, "dpc"} if kind == "denoise" else {kind}
-    if kind == "dpc":
-        hidden.add("denoise")
-    return tuple(sorted({a.asked.kind for a in answers if a.flagged} - hidden))
+def _also(kind: str, asked: Sequence[Finding]) -> tuple[str, ...]:
+    """Other kinds with flags, but a denoise and a correction, which bring those of each other."""
+    hidden = {"dpc", "denoise"} if kind in ("dpc", "denoise") else {kind}
+    return tuple(sorted({f.kind for f in asked if f.flagged} - hidden))
 
 
-def _words(flags: list[TestResult]) -> tuple[str, ...]:
+def _words(flags: Sequence[Finding]) -> tuple[str, ...]:
     """The strongest finding of each test, in words."""
-    seen: dict[str, TestResult] = {}
-    for a in sorted(flags, key=lambda a: (-min(a.asked.effect / a.asked.limit, 1e3), a.holm)):
-        seen.setdefault(a.asked.test, a)
+    strongest: dict[str, Finding] = {}
+    for f in sorted(flags, key=lambda f: (-min(f.score, 1e3), f.holm)):
+        strongest.setdefault(f.test, f)
     said = []
-    for a in seen.values():
-        e = a.asked.evidence
-        within = " within a colour" if e.view == "planes" else ""
-        where = "All operating points" if a.asked.everywhere else e.point.label()
-        said.append(f"{where}{within}: {a.asked.words}.")
+    for f in strongest.values():
+        within = " within a colour" if f.view == "planes" else ""
+        where = "All operating points" if f.everywhere else f.evidence.point.label()
+        said.append(f"{where}{within}: {f.words}.")
     return tuple(said)
 
 
 def _ambiguous(
-    kind: str, answers: list[TestResult], evidence: list[ViewEvidence], alpha: float
+    kind: str, asked: Sequence[Finding], evidence: list[ViewEvidence], alpha: float
 ) -> tuple[str, ...]:
+    """What these frames do not tell."""
     said = []
-    tests = ("rank_exceedance", "spectral_corner", "crosstalk_or_denoise")
     soft = [
-        a for a in answers
-        if a.asked.test in tests and a.asked.evidence.view == "frame"
-        and a.judge and a.holm < alpha
-        and 0.3 < a.asked.effect / a.asked.limit <= 1
+        f for f in asked
+        if f.test in LIKE_CROSSTALK and f.view == "frame" and f.counts and f.holm < alpha
+        and CLOSE < f.score <= 1
     ]  # fmt: skip
     if kind in ("none", "temporal_denoise") and soft:
         said.append(
@@ -220,7 +197,7 @@ def _ambiguous(
         lists = "" if any(e.listed for e in evidence) else " and static replacement"
         said.append(f"Single frames: temporal filters{lists} are not detectable.")
     said += _saturated(evidence)
-    coarse = {e.point.label() for e in evidence if e.noise < FINE * e.step}
+    coarse = {e.point.label() for e in evidence if not e.fine}
     if coarse:
         said.append(
             f"Noise below the quantization step at {'; '.join(sorted(coarse))}: a weak filter is "
@@ -241,17 +218,3 @@ def _saturated(evidence: list[ViewEvidence]) -> list[str]:
         )
         said.append(f"{e.point.label()}: {words}; {left}.")
     return said
-
-
-def _series(evidence: list[ViewEvidence]) -> SuppressionSeries | None:
-    """Over the settings like the first, one for each temperature."""
-    like: dict[float, ViewEvidence] = {}
-    first: OperatingPoint | None = None
-    for e in evidence:
-        here = replace(e.point, temperature_c=None)
-        if e.view != "frame" or not e.usable or e.point.temperature_c is None:
-            continue
-        first = first or here
-        if here == first:
-            like[e.point.temperature_c] = e
-    return suppression_series(list(like), [e.spectrum for e in like.values()])

@@ -2,100 +2,79 @@
 
 from __future__ import annotations
 
+import math
+import operator
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 
 from dnanalyze.analyzers.estimators.saturation import MAJORITY, Saturation, saturation
 from dnanalyze.detection.correlation import LagCorrelation, lag_correlation
-from dnanalyze.detection.excess import StandingOut, standing_out, without_transients
+from dnanalyze.detection.excess import StandingOut, standing_out
+from dnanalyze.detection.extremes import Exceedance, RowPhase, exceedance, row_phase
 from dnanalyze.detection.flatten import (
     pair_differences,
     robust_sd,
     without_lines,
     without_shading,
     without_tones,
+    without_transients,
 )
-from dnanalyze.detection.memory import Autocorrelation, autocorrelation
-from dnanalyze.detection.rank import Exceedance, exceedance
+from dnanalyze.detection.memory import Autocorrelation, mean_memory
 from dnanalyze.detection.replaced import Replaced, replaced
-from dnanalyze.detection.rows import RowPhase, row_phase
 from dnanalyze.detection.sample import SMALLEST, Group, Plane, planes
 from dnanalyze.detection.spectrum import OctaveSpectrum, octave_spectrum
 from dnanalyze.detection.texture import Texture, equal_neighbours, texture
 from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 
-VIEWS: dict[str, tuple[int, int] | None] = {"frame": None, "planes": (2, 2)}
+VIEWS = {"frame": 1, "planes": 2}  # pixels between the neighbours of a view
 SATURATED = 0.1  # share of clipped and saturated pixels above which noise tells nothing
+ROUNDING = math.sqrt(ROUNDING_VARIANCE)  # noise of the codes alone, over their step
 LEVELS = np.linspace(0, 1, 101)
 
 
 @dataclass(frozen=True)
 class ViewEvidence:
-    """What the tests found in one view (the frame, or the planes of a 2x2 mosaic) of one group.
-
-    Parameters
-    ----------
-    view : str
-    point : OperatingPoint
-    frames : int
-    noise : float
-        Robust sd of the temporal noise (of the single frame, where there is but one), DN.
-    step : float
-        Spacing of the recorded values, DN.
-    temporal : bool
-        Noise statistics are of differences of frames; False: of one flattened frame.
-    clipped : float
-        Share of pixels at the highest or lowest code, or on a plateau.
-    saturation : Saturation
-        From where pixels are clipped or saturated.
-    levels : ndarray
-        (101,), percentiles of the frames, DN.
-    usable : bool
-        Noise statistics mean something: few pixels are clipped.
-    rank : dict
-        Neighbours to counts.
-    recorded : Exceedance
-        Among 8 neighbours in single frames, fixed pattern and all: asymmetric for a correction of
-        hot pixels.
-    spectrum, correlation, texture
-        Of the noise.
-    above8, above24 : StandingOut
-        Above the largest of 8, of 24 neighbours.
-    replaced : Replaced, optional
-        For 3 frames or more.
-    listed : Replaced, optional
-        The same over frames of all settings; with the first of the settings.
-    memory : Autocorrelation, optional
-        For 4 repeats or more.
-    equal : tuple
-        Equality with the right neighbour, with one farther away, pixels.
-    rows : RowPhase, optional
-        Of the whole frame only.
-    """
+    """What the tests found in one view (the frame, or the planes of a 2x2 mosaic) of one group."""
 
     view: str
     point: OperatingPoint
     frames: int
+    # Robust sd of the temporal noise (of the single frame, where there is but one), DN.
     noise: float
-    step: float
-    temporal: bool
-    clipped: float
-    saturation: Saturation
-    levels: np.ndarray
-    usable: bool
-    rank: dict[int, Exceedance]
+    step: float  # spacing of the recorded values, DN
+    temporal: bool  # noise statistics are of differences of frames; False: of one flattened frame
+    clipped: float  # share of pixels at the highest or lowest code, or on a plateau
+    saturation: Saturation  # from where pixels are clipped or saturated
+    levels: np.ndarray  # (101,), percentiles of the frames, DN
+    usable: bool  # noise statistics mean something: few pixels are clipped
+    # Of single frames, fixed pattern and all: asymmetric for a correction of hot pixels.
     recorded: Exceedance
+    # Of the noise.
+    extremes: Exceedance
     spectrum: OctaveSpectrum
     correlation: LagCorrelation
     texture: Texture
+    # Above the largest of 8, of 24 neighbours.
     above8: StandingOut
     above24: StandingOut
-    replaced: Replaced | None
-    listed: Replaced | None
-    memory: Autocorrelation | None
+    replaced: Replaced | None  # for 3 frames or more
+    listed: Replaced | None  # the same over frames of all settings; with the first of the settings
+    memory: Autocorrelation | None  # for 4 repeats or more
+    # Equality with the right neighbour, with one farther away, pixels.
     equal: tuple[float, float, int]
-    rows: RowPhase | None
+    rows: RowPhase | None  # of the whole frame only
+
+    def above(self, neighbours: int) -> StandingOut:
+        """Above the largest of 8, or 24, neighbours."""
+        return self.above8 if neighbours == 8 else self.above24
+
+    @property
+    def fine(self) -> bool:
+        """The noise spans a code or more: rounding does not hide a filter."""
+        return self.noise >= self.step
 
     @property
     def full(self) -> bool:
@@ -131,30 +110,31 @@ def gather(
     ceiling = ends.high if ends.plateau else _ceiling(stack)
     clean = [without_transients(p.raw, noise) for p in parts]
     found = _replaced(parts, noise, ends) if stack.shape[0] >= 3 else []
+    sites = [of.sites[:, 1:] for of in found]
 
     return ViewEvidence(
-        view,
-        group.point,
-        stack.shape[0],
-        noise,
-        parts[0].step,
-        temporal,
-        clipped,
-        ends,
-        np.quantile(stack[:, ::3, ::3], LEVELS),
-        clipped < SATURATED and noise > 0.3 * parts[0].step,
-        {8: exceedance(images, 8), 12: exceedance(images[:1], 12), 24: exceedance(images[:1], 24)},
-        exceedance(np.stack([without_lines(p.dithered()[0]) for p in parts])),
-        octave_spectrum(images),
-        lag_correlation(np.stack([without_tones(image) for image in images])),
-        texture(images),
-        _standing_out(clean, 1, noise, ceiling, found),
-        _standing_out(clean, 2, noise, ceiling, found),
-        sum(found[1:], found[0]) if found else None,
-        None,
-        _memory(parts) if group.repeats else None,
-        equal_neighbours(parts[0].raw),
-        row_phase(images) if view == "frame" else None,
+        view=view,
+        point=group.point,
+        frames=stack.shape[0],
+        noise=noise,
+        step=parts[0].step,
+        temporal=temporal,
+        clipped=clipped,
+        saturation=ends,
+        levels=np.quantile(stack[:, ::3, ::3], LEVELS),
+        usable=clipped < SATURATED and noise > ROUNDING * parts[0].step,
+        recorded=exceedance(np.stack([without_lines(p.dithered()[0]) for p in parts])),
+        extremes=exceedance(images),
+        spectrum=octave_spectrum(images),
+        correlation=lag_correlation(np.stack([without_tones(image) for image in images])),
+        texture=texture(images),
+        above8=standing_out(clean, 1, noise, ceiling, sites),
+        above24=standing_out(clean, 2, noise, ceiling, sites),
+        replaced=reduce(operator.add, found) if found else None,
+        listed=None,
+        memory=mean_memory([p.raw for p in parts]) if group.repeats else None,
+        equal=equal_neighbours(parts[0].raw),
+        rows=row_phase(images) if view == "frame" else None,
     )
 
 
@@ -165,8 +145,7 @@ def listed(stack: np.ndarray, view: str) -> Replaced | None:
     if len(stack) < 3 or not parts:
         return None
     noise = _noise([without_shading(p.dithered()[0])[None] for p in parts], parts[0].step)
-    counted = _replaced(parts, noise, saturation(stack[:1]))
-    return sum(counted[1:], counted[0])
+    return reduce(operator.add, _replaced(parts, noise, saturation(stack[:1])))
 
 
 def _parts(stack: np.ndarray, view: str) -> list[Plane]:
@@ -179,7 +158,7 @@ def _parts(stack: np.ndarray, view: str) -> list[Plane]:
 
 
 def _noise(images: list[np.ndarray], step: float) -> float:
-    return max(float(np.median([robust_sd(n) for n in images])), step * 0.29, 1e-9)
+    return max(float(np.median([robust_sd(n) for n in images])), step * ROUNDING, 1e-9)
 
 
 def _noise_images(plane: Plane, temporal: bool) -> np.ndarray:
@@ -187,16 +166,6 @@ def _noise_images(plane: Plane, temporal: bool) -> np.ndarray:
     if temporal:
         return pair_differences(smooth)
     return without_shading(smooth[0])[None]
-
-
-def _standing_out(
-    stacks: list[np.ndarray], reach: int, noise: float, ceiling: float, sites: list[Replaced]
-) -> StandingOut:
-    drawn = [
-        standing_out(s, reach, noise, ceiling, sites[k].sites[:, 1:] if sites else None)
-        for k, s in enumerate(stacks)
-    ]
-    return sum(drawn[1:], drawn[0])
 
 
 def _ceiling(stack: np.ndarray) -> float:
@@ -212,15 +181,3 @@ def _clipped_share(stack: np.ndarray) -> float:
 
 def _replaced(parts: list[Plane], noise: float, ends: Saturation) -> list[Replaced]:
     return [replaced(p.raw, p.step, noise, ends.low, ends.high) for p in parts]
-
-
-def _memory(parts: list[Plane]) -> Autocorrelation | None:
-    measured = [m for m in (autocorrelation(p.raw) for p in parts) if m is not None]
-    if not measured:
-        return None
-    mean = {
-        name: float(np.mean([getattr(m, name) for m in measured]))
-        for name in ("excess", "shared_se", "freedom", "everywhere", "without_trend", "memory")
-    }
-    se = float(np.sqrt(np.sum([m.se**2 for m in measured])) / len(measured))
-    return Autocorrelation(se=se, frames=measured[0].frames, **mean)

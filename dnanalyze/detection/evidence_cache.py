@@ -14,10 +14,9 @@ from dnanalyze.analyzers.streaming import cache
 from dnanalyze.detection.correlation import LagCorrelation
 from dnanalyze.detection.evidence import ViewEvidence
 from dnanalyze.detection.excess import Excess, StandingOut
+from dnanalyze.detection.extremes import Exceedance, RowPhase
 from dnanalyze.detection.memory import Autocorrelation
-from dnanalyze.detection.rank import Exceedance
 from dnanalyze.detection.replaced import Replaced
-from dnanalyze.detection.rows import RowPhase
 from dnanalyze.detection.spectrum import OctaveSpectrum
 from dnanalyze.detection.texture import Texture
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint

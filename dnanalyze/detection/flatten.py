@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import fft, ndimage, stats
 
+from dnanalyze.analyzers.spectra.location import located
 from dnanalyze.robust import robust_deviation
+from dnanalyze.significance import CERTAIN
 
-# Of white noise one bin in 1e9 is 30 times above the median: 2^-30.
-STRENGTH = 30.0
-LEAKING = 10.0  # pi^2: a line of so many times the strength still exceeds it one bin away
+# Times the median power of an octave, which one bin of white noise in 2^n is n times above: about
+# 29, as rare as `CERTAIN`.
+STRENGTH = -float(np.log2(2 * stats.norm.sf(CERTAIN)))
+LEAKING = np.pi**2  # a line of so many times the strength still exceeds it one bin away
 MOST_TONES = 16  # a bound on the time: harmonics of a few interferences
 
 
@@ -30,10 +34,19 @@ def clipped(image: np.ndarray, sigmas: float = 3.0) -> np.ndarray:
     return np.clip(image, np.float32(middle - sigmas * sd), np.float32(middle + sigmas * sd))
 
 
-def without_lines(image: np.ndarray) -> np.ndarray:
-    """Less the mean of each row and each column (means of the clipped image: hot pixels do not
-    pull).
+def without_transients(stack: np.ndarray, noise: float) -> np.ndarray:
+    """Values far from the pixel's median over time replaced by it: hits and blinking.
+
+    As given where there are fewer than 3 frames.
     """
+    if stack.shape[0] < 3:
+        return stack
+    middle = np.sort(stack, axis=0)[stack.shape[0] // 2]
+    return np.where(np.abs(stack - middle) > np.float32(CERTAIN * noise), middle, stack)
+
+
+def without_lines(image: np.ndarray) -> np.ndarray:
+    """Less the mean of each row and each column of the clipped image: hot pixels do not pull."""
     core = clipped(image)
     rows = core.mean(axis=1, keepdims=True)
     core -= rows
@@ -42,8 +55,6 @@ def without_lines(image: np.ndarray) -> np.ndarray:
 
 def without_shading(image: np.ndarray, tile: int = 32) -> np.ndarray:
     """Less lines and less a bilinear surface through the medians of tiles, (rows, columns)."""
-    from scipy import ndimage
-
     flat = without_lines(image)
     h, w = flat.shape
     ny, nx = max(1, h // tile), max(1, w // tile)
@@ -52,12 +63,7 @@ def without_shading(image: np.ndarray, tile: int = 32) -> np.ndarray:
     medians = np.median(blocks[:, ::2, :, ::2], axis=(1, 3))
     y = np.clip((np.arange(h) + 0.5) * ny / h - 0.5, 0, ny - 1)
     x = np.clip((np.arange(w) + 0.5) * nx / w - 0.5, 0, nx - 1)
-    along = ndimage.map_coordinates(
-        medians, [y[:, None] * np.ones(nx), np.ones((h, 1)) * np.arange(nx)], order=1
-    )
-    surface = ndimage.map_coordinates(
-        along, [np.arange(h)[:, None] * np.ones(w), np.ones((h, 1)) * x], order=1
-    )
+    surface = ndimage.map_coordinates(medians, np.meshgrid(y, x, indexing="ij"), order=1)
     return flat - surface.astype(np.float32)
 
 
@@ -67,17 +73,8 @@ def pair_differences(stack: np.ndarray) -> np.ndarray:
     The fixed pattern cancels; what is left of two independent frames has one frame's temporal
     noise.
     """
-    pairs = stack.shape[0] // 2
-    return (
-        np.stack(
-            [
-                without_lines((stack[2 * n + 1] - stack[2 * n]) * np.float32(np.sqrt(0.5)))
-                for n in range(pairs)
-            ]
-        )
-        if pairs
-        else np.empty((0, *stack.shape[1:]), np.float32)
-    )
+    pairs = zip(stack[:-1:2], stack[1::2], strict=False)
+    return np.stack([without_lines((b - a) * np.float32(np.sqrt(0.5))) for a, b in pairs])
 
 
 def without_tones(image: np.ndarray) -> np.ndarray:
@@ -85,35 +82,27 @@ def without_tones(image: np.ndarray) -> np.ndarray:
 
     A bright pixel or a particle track adds power to all bins; bins set to zero for that would take
     a pattern over the whole image away.
-    """
-    core = clipped(image)
-    return image - (core - _without_tones(core))
-
-
-def _without_tones(image: np.ndarray, strength: float = STRENGTH) -> np.ndarray:
-    """Less the bins ``strength`` times above the median of their octave.
 
     A line between two bins leaks into all others, its power falling with the square of the distance
     in bins. One whose leakage would be left is first subtracted as the sinusoid that it is.
     """
+    core = rest = clipped(image)
     for _ in range(MOST_TONES):
-        spectrum, ratio = _spectrum_and_ratio(image)
+        spectrum, ratio = _spectrum_and_ratio(rest)
         at = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
-        if ratio[at] < strength * LEAKING:
+        if ratio[at] < STRENGTH * LEAKING:
             break
-        u, v = np.fft.fftfreq(image.shape[0])[at[0]], at[1] / image.shape[1]
-        rest = _without_sinusoid(image, float(u), float(v))
-        if _spectrum_and_ratio(rest)[1][at] > ratio[at] / 4:
+        less = _without_sinusoid(rest, fft.fftfreq(rest.shape[0])[at[0]], at[1] / rest.shape[1])
+        if _spectrum_and_ratio(less)[1][at] > ratio[at] / 4:
             break  # a broad line: less than half of its amplitude is one sinusoid
-        image = rest
-    spectrum, ratio = _spectrum_and_ratio(image)
-    lines = ratio > strength
-    if not lines.any():
-        return image
-    from scipy import fft
-
-    spectrum[lines] = 0
-    return fft.irfft2(spectrum, s=image.shape).astype(image.dtype)
+        rest = less
+    else:
+        spectrum, ratio = _spectrum_and_ratio(rest)
+    lines = ratio > STRENGTH
+    if lines.any():
+        spectrum[lines] = 0
+        rest = fft.irfft2(spectrum, s=image.shape).astype(image.dtype)
+    return image - (core - rest)
 
 
 def _spectrum_and_ratio(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -121,12 +110,10 @@ def _spectrum_and_ratio(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     Of frequencies below 2^-6 cycles/pixel, which shading fills, the ratio is 0.
     """
-    from scipy import fft
-
     h, w = image.shape
     spectrum = fft.rfft2(image)
     power = spectrum.real**2 + spectrum.imag**2
-    rho = np.hypot(np.fft.fftfreq(h)[:, None], np.fft.rfftfreq(w)[None])
+    rho = np.hypot(fft.fftfreq(h)[:, None], fft.rfftfreq(w)[None])
     octave = np.ceil(np.log2(np.maximum(rho, 1e-9))).astype(int)
     ratio = np.zeros(power.shape)
     for o in range(-5, 1):
@@ -136,24 +123,16 @@ def _spectrum_and_ratio(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return spectrum, ratio
 
 
-def _without_sinusoid(image: np.ndarray, u: float, v: float) -> np.ndarray:
-    """Less the sinusoid near a frequency (cycles/pixel, down the rows and along them).
-
-    The frequency is refined by the phase from block to block of the image times the conjugate wave
-    (Kay 1989, in two dimensions); amplitude and phase are those of least squares.
-    """
-    h, w = image.shape
-    y, x = np.arange(h), np.arange(w)
+def _without_sinusoid(image: np.ndarray, v: float, u: float) -> np.ndarray:
+    """Less the sinusoid of most energy near a mode (cycles/pixel, down the rows and along them)."""
     centred = image - image.mean()
-    for size in (min(h, w) // 8, min(h, w) // 3):
-        rows, columns = h // size, w // size
-        down = np.exp(-2j * np.pi * u * y)[: rows * size].reshape(rows, size)
-        along = np.exp(-2j * np.pi * v * x)[: columns * size].reshape(columns, size)
-        blocks = centred[: rows * size, : columns * size].reshape(rows, size, columns, size)
-        phasors = np.einsum("asbt,as,bt->ab", blocks, down, along, optimize=True)
-        u += float(np.angle(np.sum(phasors[1:] * phasors[:-1].conj()))) / (2 * np.pi * size)
-        v += float(np.angle(np.sum(phasors[:, 1:] * phasors[:, :-1].conj()))) / (2 * np.pi * size)
-    wave = np.outer(np.exp(2j * np.pi * u * y), np.exp(2j * np.pi * v * x)).ravel()
+    place = located([centred], u, v, 1.0)
+    h, w = image.shape
+    down, along = (
+        np.exp(2j * np.pi * place.v * np.arange(h)),
+        np.exp(2j * np.pi * place.u * np.arange(w)),
+    )
+    wave = np.outer(down, along).ravel()
     parts = np.stack([wave.real, wave.imag])
     # at 0.5 cycles/pixel along both axes the sine is 0
     amplitudes = np.linalg.pinv(parts @ parts.T, rcond=1e-9) @ (parts @ centred.ravel())

@@ -1,8 +1,7 @@
 """Does a pixel remember the frame before: lag-1 autocorrelation over time.
 
 Given the values that a pixel takes in its K frames, in whatever order, E[r1] = -1/K exactly,
-whatever their
-distribution (permutation null). A recursive filter orders them.
+whatever their distribution (permutation null). A recursive filter orders them.
 
 Pixels are not independent of one another: what a frame shares (1/f noise where rounding makes each
 pixel answer it in its own way, a sensor that warms up) leaves every pair of frames a correlation of
@@ -12,51 +11,42 @@ the scatter of pairs that lie equally far apart.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import optimize, stats
 
+from dnanalyze.analyzers.estimators.saturation import CROWDED
 from dnanalyze.detection.flatten import centre_and_sd, robust_sd, without_lines, without_tones
 from dnanalyze.significance import CLEAR
 
 LEAST_PIXELS = 200
 LEAST_FRAMES = 6  # for their pairs to say what pixels share
+PARTS = 4  # of the frame along a side: a filter acts in all of them
+REGULAR = (0.05, 2.5)  # sums of squares of pixels that neither blink nor stay, over the median one
+LARGEST_MEMORY = 0.95
 
 
 @dataclass(frozen=True)
 class Autocorrelation:
-    """How much a pixel remembers.
+    """How much a pixel remembers."""
 
-    Parameters
-    ----------
-    excess : float
-        Mean over pixels of r1 + 1/K.
-    se : float
-        Its standard error for independent pixels.
-    shared_se, freedom : float
-        For what pixels of a frame share, and its degrees of freedom: from the scatter of pairs of
-        frames equally far apart; of the parts of the frame where there are too few pairs.
-    everywhere : float
-        What three quarters of 16 parts of the frame exceed: a filter spares none, a glow that
-        drifts spares the other corners.
-    without_trend : float
-        Excess once each pixel's straight line in time is taken off, over what that leaves of
-        independent frames, as if it left all of a filter's: a drift has none.
-    memory : float
-        Of the recursive filter that explains the excess.
-    frames : int
-        K.
-    """
-
-    excess: float
-    se: float
+    excess: float  # mean over pixels of r1 + 1/K
+    se: float  # its standard error for independent pixels
+    # For what pixels of a frame share, and its degrees of freedom: from the scatter of pairs of
+    # frames equally far apart; of the parts of the frame where there are too few pairs.
     shared_se: float
     freedom: float
+    # What three quarters of 16 parts of the frame exceed: a filter spares none, a glow that drifts
+    # spares the other corners.
     everywhere: float
+    # Excess once each pixel's straight line in time is taken off, over what that leaves of
+    # independent frames, as if it left all of a filter's: a drift has none.
     without_trend: float
-    memory: float
-    frames: int
+    memory: float  # of the recursive filter that explains the excess
+    frames: int  # K
 
     @property
     def p(self) -> float:
@@ -65,6 +55,16 @@ class Autocorrelation:
             return 1.0
         alone = float(stats.norm.sf(self.excess / self.se))
         return max(alone, float(stats.t.sf(self.excess / self.shared_se, self.freedom)))
+
+
+def mean_memory(stacks: Sequence[np.ndarray]) -> Autocorrelation | None:
+    """The mean over planes; None where none has an answer."""
+    found = [vars(a) for a in map(autocorrelation, stacks) if a is not None]
+    if not found:
+        return None
+    mean = {name: float(np.mean([f[name] for f in found])) for name in found[0]}
+    mean["se"] /= math.sqrt(len(found))
+    return Autocorrelation(**mean | {"frames": found[0]["frames"]})
 
 
 def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
@@ -81,20 +81,17 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
     regular = (np.abs(pattern) < CLEAR * robust_sd(pattern)) & ~_at_an_end(stack)
     if regular.sum() < LEAST_PIXELS:
         return None
-    pattern_here = np.where(regular, pattern, np.float32(0))
-    power = float((pattern_here * pattern_here).mean())
-    squares = np.zeros_like(mean)
+    of_regular = np.where(regular, pattern, np.float32(0))
+    power = float((of_regular * of_regular).mean())
     rest = np.empty_like(stack)
     for n, frame in enumerate(stack):
         d = frame - mean
         d = d - np.float32(centre_and_sd(d, 8192)[0])
-        slope = np.float32(float((d * pattern_here).mean()) / power) if power else np.float32(0)
+        slope = np.float32(float((d * of_regular).mean()) / power) if power else np.float32(0)
         rest[n] = without_tones(without_lines(d - slope * pattern))
-        squares += rest[n] * rest[n]
-    typical = np.median(squares)
-    if typical <= 0:
-        return None
-    keep = regular & (squares > 0.05 * typical) & (squares < 2.5 * typical)
+    squares = (rest * rest).sum(axis=0)
+    least, most = (share * np.median(squares) for share in REGULAR)
+    keep = regular & (squares > least) & (squares < most)
     if keep.sum() < LEAST_PIXELS:
         return None
     scaled = rest[:, keep] / np.sqrt(squares[keep])
@@ -102,28 +99,32 @@ def autocorrelation(stack: np.ndarray) -> Autocorrelation | None:
     # is that over all pairs
     any_order = (scaled.sum(axis=0) ** 2 - 1) / frames
     r1 = np.sum(scaled[1:] * scaled[:-1], axis=0) - any_order
-    value = float(r1.mean())
-    of_sums = float(np.average(r1, weights=squares[keep]))
-    means = _parts(r1, keep)
+    parts = _parts(r1, keep)
     if frames >= LEAST_FRAMES:
         shared, freedom = _shared(scaled @ scaled.T / r1.size), (frames - 1) * (frames - 2) / 2
-    elif means.size < 2:
+    elif parts.size < 2:
         return None  # too few pairs, and too few pixels
     else:
-        shared, freedom = float(means.std(ddof=1) / np.sqrt(means.size)), means.size - 1.0
+        shared, freedom = float(parts.std(ddof=1)) / math.sqrt(parts.size), parts.size - 1.0
     return Autocorrelation(
-        value, float(r1.std() / np.sqrt(r1.size)), shared, freedom,
-        float(np.quantile(means, 0.25)), _without_trend(scaled), memory_of(of_sums, frames), frames,
-    )  # fmt: skip
+        excess=float(r1.mean()),
+        se=float(r1.std()) / math.sqrt(r1.size),
+        shared_se=shared,
+        freedom=freedom,
+        everywhere=float(np.quantile(parts, 0.25)),
+        without_trend=_without_trend(scaled),
+        memory=memory_of(float(np.average(r1, weights=squares[keep])), frames),
+        frames=frames,
+    )
 
 
-def _parts(r1: np.ndarray, keep: np.ndarray, parts: int = 4) -> np.ndarray:
-    """Means over parts x parts of the frame that hold enough pixels."""
+def _parts(r1: np.ndarray, keep: np.ndarray) -> np.ndarray:
+    """Means over parts of the frame that hold enough pixels."""
     y, x = np.nonzero(keep)
-    part = y * parts // keep.shape[0] * parts + x * parts // keep.shape[1]
-    counts = np.bincount(part, minlength=parts**2)
-    enough = counts >= min(LEAST_PIXELS // parts, counts.max())
-    return np.asarray(np.bincount(part, r1, parts**2)[enough] / counts[enough])
+    part = y * PARTS // keep.shape[0] * PARTS + x * PARTS // keep.shape[1]
+    counts = np.bincount(part, minlength=PARTS**2)
+    enough = counts >= min(LEAST_PIXELS // PARTS, counts.max())
+    return np.asarray(np.bincount(part, r1, PARTS**2)[enough] / counts[enough])
 
 
 def _without_trend(series: np.ndarray) -> float:
@@ -148,19 +149,17 @@ def _shared(pairs: np.ndarray) -> float:
     frames = len(pairs)
     own = np.sqrt(np.diag(pairs))
     related = pairs / (own[:, None] * own) if own.all() else pairs
-    lags = [np.diagonal(related, lag) for lag in range(1, frames)]
-    scatter = sum(float(np.sum((one - one.mean()) ** 2)) for one in lags)
+    scatter = sum(lag.var() * lag.size for lag in map(related.diagonal, range(1, frames)))
     freedom = (frames - 1) * (frames - 2) / 2
-    return float(np.sqrt(scatter / freedom * (frames - 1))) / frames
+    return math.sqrt(scatter / freedom * (frames - 1)) / frames
 
 
 def _at_an_end(stack: np.ndarray) -> np.ndarray:
     """Pixels that reach the highest or lowest code in some frame, where those codes are crowded."""
     highest, lowest = stack.max(axis=0), stack.min(axis=0)
     ends = np.zeros(highest.shape, bool)
-    for extreme, end in ((highest, highest.max()), (lowest, lowest.min())):
-        there = extreme == end
-        if np.count_nonzero(there) > 20:
+    for there in (highest == highest.max(), lowest == lowest.min()):
+        if np.count_nonzero(there) > CROWDED:
             ends |= there
     return ends
 
@@ -184,9 +183,10 @@ def expected_excess(memory: float, frames: int) -> float:
 
 def memory_of(excess: float, frames: int) -> float:
     """The memory a that gives this excess; 0 for none."""
-    top = 0.95
     if excess <= 0:
         return 0.0
-    if excess >= expected_excess(top, frames):
-        return top
-    return float(optimize.brentq(lambda a: expected_excess(a, frames) - excess, 0.0, top))
+    if excess >= expected_excess(LARGEST_MEMORY, frames):
+        return LARGEST_MEMORY
+    return float(
+        optimize.brentq(lambda a: expected_excess(a, frames) - excess, 0.0, LARGEST_MEMORY)
+    )

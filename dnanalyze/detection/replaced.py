@@ -13,6 +13,7 @@ frame is left out: in a bright spot, or a dark one, its neighbours are so as wel
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 from numba import njit
@@ -27,30 +28,17 @@ CONTROLS = np.array([(0, 4), (4, 0)])  # along the row, along the column
 
 @dataclass(frozen=True)
 class Replaced:
-    """Sites that match, rule by rule.
+    """Sites that match, rule by rule."""
 
-    Parameters
-    ----------
-    own : ndarray
-        (rules,), sites that match their own neighbours.
-    control : ndarray
-        (rules,), count over displaced rings, along rows or along columns, what is more
-        (noise that is correlated along one of them is shared only there).
-    almost, almost_control : ndarray
-        (rules,), the same of sites that match in all frames but one.
-    sites : ndarray
-        (n, 3): rule, row, column of the own matches.
-    tried : int
-        Sites looked at.
-    frames : int
-    """
-
-    own: np.ndarray
+    own: np.ndarray  # (rules,), sites that match their own neighbours
+    # (rules,), count over displaced rings, along rows or along columns, what is more (noise that is
+    # correlated along one of them is shared only there).
     control: np.ndarray
+    # (rules,), the same of sites that match in all frames but one.
     almost: np.ndarray
     almost_control: np.ndarray
-    sites: np.ndarray
-    tried: int
+    sites: np.ndarray  # (n, 3): rule, row, column of the own matches
+    tried: int  # sites looked at
     frames: int
 
     def __add__(self, other: Replaced) -> Replaced:
@@ -188,40 +176,24 @@ def _match(
     return counts, sites[:kept], tried
 
 
-@njit(cache=True, nogil=True)
 def _sums(stack: np.ndarray) -> np.ndarray:
     """Of 5x5 pixels around each; exact for integers below 2^19; zero near the edges."""
-    frames, h, w = stack.shape
-    rows = np.empty((h, w), np.float32)
     total = np.zeros_like(stack)
-    for k in range(frames):
-        f = stack[k]
-        for y in range(h):
-            for x in range(2, w - 2):
-                rows[y, x] = f[y, x - 2] + f[y, x - 1] + f[y, x] + f[y, x + 1] + f[y, x + 2]
-        for y in range(2, h - 2):
-            for x in range(2, w - 2):
-                column = rows[y - 2, x] + rows[y - 1, x] + rows[y, x]
-                total[k, y, x] = column + rows[y + 1, x] + rows[y + 2, x]
+    for frame, sums in zip(stack, total, strict=True):
+        rows = reduce(np.add, (frame[:, k : frame.shape[1] - 4 + k] for k in range(5)))
+        columns = (rows[k : len(rows) - 4 + k] for k in range(5))
+        sums[2:-2, 2:-2] = reduce(np.add, columns)
     return total
 
 
 def replaced(
     stack: np.ndarray, step: float, noise: float, bottom: float = -np.inf, top: float = np.inf
 ) -> Replaced:
-    """Look for replaced sites in the raw frames of one plane.
+    """Look for replaced sites in three or more raw frames of one plane, (frames, rows, columns).
 
-    Parameters
-    ----------
-    stack : ndarray
-        (frames >= 3, rows, columns), DN as recorded.
-    step : float
-        Spacing of the recorded values, DN; 0 for frames that are not quantised.
-    noise : float
-        Temporal standard deviation of a typical pixel, DN.
-    bottom, top : float
-        Values at or below ``bottom`` are clipped, at or above ``top`` saturated, DN; the highest
-        of all are left out in any case.
+    ``step``: spacing of the recorded values, 0 where they are not quantised; ``noise``: temporal
+    standard deviation of a typical pixel. Values at or below ``bottom`` are clipped, at or above
+    ``top`` saturated; the highest of all are left out in any case. All in DN.
     """
     slack = 1e-3 * (step or noise)
     shifts = np.concatenate([[(0, 0)], CONTROLS])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -13,12 +13,18 @@ from dnanalyze.loaders.captures import CaptureSet
 from dnanalyze.result import Result
 
 if TYPE_CHECKING:
-    from dnanalyze.detection.verdict import TestResult
+    from dnanalyze.detection.evidence import ViewEvidence
+    from dnanalyze.detection.replaced import Replaced
+
+IN_JSON = (
+    "test", "kind", "temperature_c", "p_value", "effect_size", "flagged", "view", "words", "limit",
+    "reason",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One test at one setting.
+    """One test at one setting: what it found, and what that counts for.
 
     Parameters
     ----------
@@ -41,6 +47,20 @@ class Finding:
         Effect size that unfiltered sensors reach; infinite where the test does not speak alone.
     reason : str
         Why it is not flagged, in words; empty where it is.
+    holm : float
+        p-value after Holm's correction over all tests.
+    counts : bool
+        Its answer counts at this setting; elsewhere it is given for information.
+    evidence : ViewEvidence
+        That the test looked at.
+    at : float
+        Threshold, DN, or number of the rule, or memory that it points to.
+    neighbours : int
+        Among which a pixel stands out.
+    slope : float
+        Of the neighbours' maximum, in a rule of a slope and a bound.
+    sites : Replaced, optional
+        Sites that it rests on.
     """
 
     test: str
@@ -48,15 +68,32 @@ class Finding:
     temperature_c: float | None
     p_value: float
     effect_size: float
-    flagged: bool
+    flagged: bool = False
     view: str = "frame"
     words: str = ""
     limit: float = math.inf
     reason: str = ""
+    holm: float = 1.0
+    counts: bool = True
+    evidence: ViewEvidence = field(default=cast("ViewEvidence", None), repr=False, compare=False)
+    at: float = field(default=math.nan, compare=False)
+    neighbours: int = 8
+    slope: float = 1.0
+    sites: Replaced | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def everywhere(self) -> bool:
+        """Over all settings."""
+        return self.sites is not None and self.sites is self.evidence.listed
+
+    @property
+    def score(self) -> float:
+        """Effect size over what unfiltered sensors reach."""
+        return self.effect_size / self.limit
 
     def to_plain(self) -> dict[str, Any]:
         """As in the JSON report."""
-        return _plain(vars(self))
+        return _plain({name: getattr(self, name) for name in IN_JSON})
 
 
 @dataclass(frozen=True)
@@ -102,23 +139,13 @@ class FilterEstimate:
 
 @dataclass(frozen=True)
 class TailBound:
-    """Hot pixels before correction, in one setting.
-
-    Parameters
-    ----------
-    temperature_c : float, optional
-    level_dn : float
-        Excess above the neighbours' maximum, DN.
-    ppm_seen : float
-        Isolated pixels beyond it that are left.
-    ppm_lower, ppm_upper : float
-        Bounds of what there was: what the survivors beside other hot pixels imply, and with the
-        replaced sites that may or may not have been hot.
-    """
+    """Hot pixels before correction, in one setting."""
 
     temperature_c: float | None
-    level_dn: float
-    ppm_seen: float
+    level_dn: float  # excess above the neighbours' maximum, DN
+    ppm_seen: float  # isolated pixels beyond it that are left
+    # Bounds of what there was: what the survivors beside other hot pixels imply, and with the
+    # replaced sites that may or may not have been hot.
     ppm_lower: float
     ppm_upper: float
 
@@ -155,8 +182,6 @@ class Detection(Result):
         empty for none.
     series : SuppressionSeries, optional
         Suppression of high frequencies over temperature, for the figure.
-    answers : tuple of TestResult
-        The questions with the evidence behind them, for the figures; findings are their summary.
     """
 
     captures: CaptureSet = field(compare=False)
@@ -171,7 +196,6 @@ class Detection(Result):
     tail: tuple[TailBound, ...] = ()
     effect: dict[str, dict[str, Any]] = field(default_factory=dict)
     series: SuppressionSeries | None = None
-    answers: tuple[TestResult, ...] = field(default=(), compare=False)
 
     def _brief(self) -> str:
         what = self.kind if self.filtered else "no filter found"

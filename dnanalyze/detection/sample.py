@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 import numpy as np
@@ -19,43 +19,24 @@ NEAR_C = 6.0  # settings of single frames closer than this in temperature count 
 
 @dataclass(frozen=True)
 class Group:
-    """Frames taken at one operating point, or so close that their differences are noise.
-
-    Parameters
-    ----------
-    point : OperatingPoint
-    frames : tuple of Frame
-    repeats : bool
-        All at exactly one setting, in the order in which they were taken.
-    """
+    """Frames taken at one operating point, or so close that their differences are noise."""
 
     point: OperatingPoint
     frames: tuple[Frame, ...]
-    repeats: bool
+    repeats: bool  # all at exactly one setting, in the order in which they were taken
 
 
 def groups(captures: CaptureSet) -> list[Group]:
     """The settings; those of a single frame at neighbouring temperatures are put together."""
     chosen: list[Group] = []
-    single: list[tuple[OperatingPoint, Frame]] = []
-
-    def close() -> None:
-        if single:
-            frames = tuple(f for _, f in single)
-            chosen.append(Group(single[0][0], frames, repeats=False))
-            single.clear()
-
     for setting in captures.settings:
+        last = chosen[-1] if chosen else None
         if len(setting.frames) > 1:
-            close()
             chosen.append(Group(setting.point, setting.frames[:MAX_FRAMES], repeats=True))
+        elif last and not last.repeats and _near(last, setting.point):
+            chosen[-1] = replace(last, frames=(*last.frames, *setting.frames))
         elif setting.frames:
-            if single and not _near(single[0][0], setting.point):
-                close()
-            single.append((setting.point, setting.frames[0]))
-            if len(single) == 8:
-                close()
-    close()
+            chosen.append(Group(setting.point, setting.frames, repeats=False))
     return chosen
 
 
@@ -72,26 +53,25 @@ def across(captures: CaptureSet) -> Group | None:
     return Group(captures.settings[0].point, tuple(taken), repeats=False)
 
 
-def _near(a: OperatingPoint, b: OperatingPoint) -> bool:
-    if a.temperature_c is None or b.temperature_c is None:
+def _near(group: Group, point: OperatingPoint) -> bool:
+    """Whether a single frame may join those of a group: half as many as of one setting."""
+    here = group.point
+    if here.temperature_c is None or point.temperature_c is None:
         return False
-    same = (a.exposure_s, a.gain, a.channel) == (b.exposure_s, b.gain, b.channel)
-    return same and abs(a.temperature_c - b.temperature_c) <= NEAR_C
+    alike = replace(here, temperature_c=None) == replace(point, temperature_c=None)
+    room = 2 * len(group.frames) < MAX_FRAMES
+    return room and alike and abs(here.temperature_c - point.temperature_c) <= NEAR_C
 
 
 def read(group: Group) -> np.ndarray:
     """Frames of a group, (frames, rows, columns), as recorded; large ones as bands of full rows."""
-    stack: np.ndarray | None = None
-    rows: np.ndarray | slice = slice(None)
-    for n, frame in enumerate(group.frames):
-        pixels = frame.read()
-        if stack is None:
-            rows = _bands(pixels.shape)
-            first = pixels[rows]
-            dtype = first.dtype if first.dtype.itemsize <= 4 else np.dtype(np.float32)
-            stack = np.empty((len(group.frames), *first.shape), dtype)
-        stack[n] = pixels[rows]
-    assert stack is not None  # a group has frames
+    first = group.frames[0].read()
+    rows = _bands(first.shape)
+    dtype = first.dtype if first.dtype.itemsize <= 4 else np.dtype(np.float32)
+    stack = np.empty((len(group.frames), *first[rows].shape), dtype)
+    stack[0] = first[rows]
+    for n, frame in enumerate(group.frames[1:], 1):
+        stack[n] = frame.read()[rows]
     return stack
 
 
@@ -124,18 +104,10 @@ def least_step(stack: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Plane:
-    """Like pixels of one group of frames.
+    """Like pixels of one group of frames."""
 
-    Parameters
-    ----------
-    raw : ndarray
-        (frames, rows, columns), float32, DN as recorded.
-    step : float
-        Spacing of the recorded values, DN.
-    """
-
-    raw: np.ndarray
-    step: float
+    raw: np.ndarray  # (frames, rows, columns), float32, DN as recorded
+    step: float  # spacing of the recorded values, DN
 
     def dithered(self) -> np.ndarray:
         """With +-1/2 step of uniform noise, so that ties are broken evenly."""
@@ -147,10 +119,8 @@ class Plane:
         )
 
 
-def planes(stack: np.ndarray, mosaic: tuple[int, int] | None) -> Iterator[Plane]:
-    """The whole frame for ``None``, else one plane for each phase of a (rows, columns) block."""
-    step, (rows, columns) = least_step(stack), mosaic or (1, 1)
-    for y in range(rows):
-        for x in range(columns):
-            part = stack[:, y::rows, x::columns]
-            yield Plane(np.ascontiguousarray(part, np.float32), step)
+def planes(stack: np.ndarray, apart: int) -> Iterator[Plane]:
+    """One plane for each phase of pixels so far apart: 1 gives the whole frame."""
+    step = least_step(stack)
+    for y, x in np.ndindex(apart, apart):
+        yield Plane(np.ascontiguousarray(stack[:, y::apart, x::apart], np.float32), step)

@@ -11,8 +11,6 @@ likewise. The lesser of both is the least that hot pixels leave, however they ar
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from dnanalyze.detection.excess import Excess
@@ -26,27 +24,10 @@ CARRIED_SHARE = 3.0
 SAFE = 0.5  # of that is expected: clusters of 60 laws (density, size, reach, amplitude) left .2
 
 
-@dataclass(frozen=True)
-class Tail:
-    """What is left of a tail beyond each bound, a frame.
-
-    Parameters
-    ----------
-    left : ndarray
-        Pixels between the bound and ``BEYOND`` times it.
-    least : ndarray
-        The least that clusters leave there.
-    shown : ndarray of bool
-        Bounds at which both steps below lie within the ladder.
+def tail(top: Excess) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the counts beyond a ladder of bounds, for each bound: pixels of a frame between it and
+    ``BEYOND`` times it; the least that clusters leave there; whether both steps below are shown.
     """
-
-    left: np.ndarray
-    least: np.ndarray
-    shown: np.ndarray
-
-
-def tail(top: Excess) -> Tail:
-    """From the counts beyond a ladder of bounds."""
     bounds = top.bounds
     here = np.arange(bounds.size)
     lower, low = (np.searchsorted(bounds, bounds / STEP**n) for n in (2, 1))
@@ -62,7 +43,7 @@ def tail(top: Excess) -> Tail:
     fall = np.minimum(1.0, _over(share, share_first)) ** CARRIED_SHARE
     rings = steps(top.control)[2] * np.minimum(1.0, share) * fall
     shown = (lower < low) & (low < here) & (bounds >= bounds[0] * STEP**2) & (first > 0)
-    return Tail(left, SAFE * np.minimum(carried, rings), shown)
+    return left, SAFE * np.minimum(carried, rings), shown
 
 
 def _over(a: np.ndarray, b: np.ndarray) -> np.ndarray:

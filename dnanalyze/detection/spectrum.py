@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from scipy import fft, stats
@@ -21,14 +22,14 @@ from dnanalyze.detection.flatten import clipped
 EDGES = np.array([0.004, 0.008, 0.016, 0.03, 0.06, 0.12, 0.25, 0.45, 0.7072])  # cycles/pixel
 CENTRES = np.log2(EDGES[:-1] * EDGES[1:]) / 2
 LEAST_BINS = 16
-MIDDLE, HIGH = (0.03, 0.12), 0.45  # bands of the paper's ratio
+MIDDLE, IN_MIDDLE = (
+    slice(3, 5),
+    4,
+)  # octaves of the paper's ratio: .03 to .12 cycles/pixel
 
 
-@dataclass(frozen=True)
-class Chord:
-    """Rise of ln P, and its error, at the second of three ``octaves`` above the line between the
-    others.
-    """
+class Chord(NamedTuple):
+    """Rise of ln P, and its error, at the second of three octaves above the line of the others."""
 
     octaves: tuple[int, int, int]
     rise: float
@@ -37,31 +38,20 @@ class Chord:
 
 @dataclass(frozen=True)
 class OctaveSpectrum:
-    """Powers of octaves of radial frequency.
+    """Powers of octaves of radial frequency."""
 
-    Parameters
-    ----------
-    log_power : ndarray
-        (octaves,), ln of the median power, about what white noise has; NaN below the frame's reach.
-    se : ndarray
-        (octaves,), standard errors.
-    """
-
+    # (octaves,), ln of the median power, about what white noise has; NaN below the frame's reach.
     log_power: np.ndarray
-    se: np.ndarray
+    se: np.ndarray  # (octaves,), standard errors
 
     @property
     def suppression(self) -> tuple[float, float]:
         """ln R = ln of the power above .45 over that of .03 to .12 cycles/pixel, and its error."""
-        last = self.log_power.size - 1
-        middle = slice(
-            int(np.searchsorted(EDGES, MIDDLE[0])), int(np.searchsorted(EDGES, MIDDLE[1]))
-        )
-        weights = np.where(np.isfinite(self.log_power[middle]), 1 / self.se[middle] ** 2, 0.0)
-        if weights.sum() == 0:
+        middle, weights = self.log_power[MIDDLE], self.se[MIDDLE] ** -2.0
+        if not weights.any():
             return math.nan, math.inf
-        level = float(np.nansum(weights * self.log_power[middle]) / weights.sum())
-        return self.log_power[last] - level, float(np.hypot(self.se[last], weights.sum() ** -0.5))
+        level = float(np.nansum(weights * middle) / weights.sum())
+        return self.log_power[-1] - level, float(np.hypot(self.se[-1], weights.sum() ** -0.5))
 
     @property
     def independent_chords(self) -> int:
@@ -107,16 +97,13 @@ def octave_spectrum(images: np.ndarray) -> OctaveSpectrum:
     for image in images:
         spectrum = fft.rfft2(clipped(image))
         total += spectrum.real**2 + spectrum.imag**2
-    scatter = _of_median(n)
     power = np.full(EDGES.size - 1, np.nan)
     se = np.full(EDGES.size - 1, np.inf)
     for band in range(power.size):
         inside = total[where == band]
-        if inside.size >= LEAST_BINS:
-            middle = float(np.median(inside)) / (n * h * w)
-            if middle > 0:
-                power[band] = np.log(middle)
-                se[band] = scatter / np.sqrt(inside.size)
+        if inside.size >= LEAST_BINS and np.median(inside) > 0:
+            power[band] = math.log(float(np.median(inside)) / (n * h * w))
+            se[band] = _of_median(n) / math.sqrt(inside.size)
     return OctaveSpectrum(power, se)
 
 
@@ -140,11 +127,6 @@ def _bins(h: int, w: int) -> tuple[np.ndarray, np.ndarray]:
     return rho, band.astype(np.int8)
 
 
-def kernel_log_power(taps: np.ndarray, shape: tuple[int, int] = (256, 256)) -> np.ndarray:
-    """ln |K|^2 in the octaves, of white noise through a small symmetric kernel (odd sides)."""
-    return 2 * octave_log_power(taps, shape)
-
-
 def octave_log_power(shared: np.ndarray, shape: tuple[int, int] = (256, 256)) -> np.ndarray:
     """ln of the power in the octaves of noise of a small autocovariance (odd sides, in the middle).
 
@@ -154,9 +136,5 @@ def octave_log_power(shared: np.ndarray, shape: tuple[int, int] = (256, 256)) ->
     padded[: shared.shape[0], : shared.shape[1]] = shared
     power = np.abs(fft.rfft2(padded))
     _, where = _bins(*shape)
-    return np.array(
-        [
-            np.log(np.median(power[where == b])) if (where == b).any() else np.nan
-            for b in range(EDGES.size - 1)
-        ]
-    )
+    bands = [power[where == b] for b in range(EDGES.size - 1)]
+    return np.array([np.log(np.median(p)) if p.size else np.nan for p in bands])

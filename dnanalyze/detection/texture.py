@@ -7,78 +7,65 @@ tails or noisy pixels alone do not move it.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from dnanalyze.analyzers.kernels.layout import TILE
 from dnanalyze.detection.flatten import clipped
-
-SIDE = 4  # blocks of 4x4
+from dnanalyze.significance import NOTICEABLE
 
 
 @dataclass(frozen=True)
 class Texture:
-    """Unevenness of the noise.
+    """Unevenness of the noise."""
 
-    Parameters
-    ----------
-    dispersion : float
-        Squared coefficient of variation of 4x4 variances over that of independent pixels; 1: none.
-    dispersion_se : float
-    hh_kurtosis : float
-        Kurtosis of the finest diagonal Haar band, of the clipped image; 3 for Gaussian noise.
-    hh_excess : float
-        Over that of independent pixels.
-    hh_se : float
-    """
-
+    # Squared coefficient of variation of 4x4 variances over that of independent pixels; 1: none.
     dispersion: float
     dispersion_se: float
+    # Kurtosis of the finest diagonal Haar band, of the clipped image; 3 for Gaussian noise.
     hh_kurtosis: float
-    hh_excess: float
+    hh_excess: float  # over that of independent pixels
     hh_se: float
 
 
 def texture(images: np.ndarray) -> Texture:
     """From images (n, rows, columns) of temporal noise."""
-    observed = expected = kurtosis = excess = 0.0
-    blocks_seen = coefficients = 0
-    for image in images:
-        x = clipped(image, 4.0)
-        h, w = (s // SIDE * SIDE for s in x.shape)
-        x = x[:h, :w]
-        centred = x - x.mean()
-        squares = centred * centred
-        square = float(squares.mean())
-        if square <= 0:
-            continue
-        beyond = float(np.mean(squares * squares)) / square**2 - 3
-        variances = x.reshape(h // SIDE, SIDE, w // SIDE, SIDE).var(axis=(1, 3), ddof=1)
-        n = SIDE * SIDE
-        observed += float(variances.var()) / float(variances.mean()) ** 2
-        expected += beyond / n + 2 / (n - 1)
-        hh = x[::2, ::2] - x[::2, 1::2] - x[1::2, ::2] + x[1::2, 1::2]
-        hh *= hh
-        here = float(np.mean(hh * hh)) / float(hh.mean()) ** 2
-        kurtosis += here
-        excess += here - (3 + beyond / 4)
-        blocks_seen += variances.size
-        coefficients += hh.size
-    count = len(images)
-    if not blocks_seen or expected <= 0:
+    found = [of for of in map(_of_image, images) if of is not None]
+    if not found:
         return Texture(1.0, np.inf, 3.0, 0.0, np.inf)
-    return Texture(
-        observed / expected,
-        4.0 / np.sqrt(blocks_seen),
-        kurtosis / count,
-        excess / count,
-        float(np.sqrt(24 / coefficients)) * 2,
-    )
+    observed, expected, kurtosis, excess = np.mean(found, axis=0)
+    rows, columns = (n // TILE for n in images.shape[1:])
+    tiles = len(found) * rows * columns
+    # twice the standard errors of Gaussian noise: its tails are heavier
+    dispersion_se, hh_se = 4.0 / math.sqrt(tiles), 2 * math.sqrt(24 / (tiles * TILE))
+    return Texture(observed / expected, dispersion_se, kurtosis, excess, hh_se)
+
+
+def _of_image(image: np.ndarray) -> tuple[float, float, float, float] | None:
+    """Dispersion of tiles, that of independent pixels, Haar kurtosis, excess of it over theirs."""
+    rows, columns = (n // TILE * TILE for n in image.shape)
+    x = clipped(image, NOTICEABLE)[:rows, :columns]
+    if not np.ptp(x) > 0:
+        return None
+    beyond = _kurtosis(x - x.mean()) - 3
+    tiles = x.reshape(rows // TILE, TILE, columns // TILE, TILE)
+    variances = tiles.var(axis=(1, 3), ddof=1)
+    pixels = TILE * TILE
+    observed = float(variances.var()) / float(variances.mean()) ** 2
+    haar = _kurtosis(x[::2, ::2] - x[::2, 1::2] - x[1::2, ::2] + x[1::2, 1::2])
+    return observed, beyond / pixels + 2 / (pixels - 1), haar, haar - (3 + beyond / 4)
+
+
+def _kurtosis(x: np.ndarray) -> float:
+    """Fourth moment about 0 over the square of the second."""
+    squares = x * x
+    return float(np.mean(squares * squares)) / float(squares.mean()) ** 2
 
 
 def equal_neighbours(stack: np.ndarray, reach: int = 3) -> tuple[float, float, int]:
-    """Fraction of pixels equal to the right neighbour, and to the one ``reach`` columns away;
-    pixels.
+    """Fraction of pixels equal to the right neighbour, to the one ``reach`` columns away; pixels.
 
     A 3x3 median of continuous noise repeats .210 of its values to the right; the
     control holds the chance equality of rounded values.

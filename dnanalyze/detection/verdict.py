@@ -1,4 +1,4 @@
-"""One verdict from all answers, and why an answer does not count.
+"""One verdict from all findings, and why a finding does not count.
 
 By Holm's correction, by what nature can mimic, and by the agreement between tests.
 """
@@ -7,93 +7,64 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from dnanalyze.detection import tests
 from dnanalyze.detection.evidence import ViewEvidence
-from dnanalyze.detection.tests import FilterTest
+from dnanalyze.detection.results import Finding
+from dnanalyze.detection.tests import BACKED, LIMITS
 from dnanalyze.digits import number
-from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.significance import NOTICEABLE
 
-FINE = 0.75  # noise over step from which rounding no longer hides a filter
 ROUND = 0.15  # correlation of next neighbours of a colour beyond that of farther ones
-# What replacing a few per cent of pixels does to the noise stays below these.
-SLIGHT = {
-    "spectral_corner": 0.4, "crosstalk_or_denoise": 0.1, "median_equality": 0.28, "row_phase": 0.06,
-}  # fmt: skip
+SLIGHT = 5.0  # times the limit: replacing a few per cent of pixels does less to the noise
+FEW_CLIPPED = 0.005  # share of pixels that does not change the variance
 NOT_SIGNIFICANT = "not significant after Holm's correction"
 KINDS = {
     "dpc": "defect-pixel correction",
     "denoise": "spatial denoise",
     "temporal_denoise": "temporal denoise",
 }
-CAUSES = (
-    "cap_to_neighbours", "dynamic_threshold", "ratio_rule", "ratio_and_threshold",
-    "static_replacement",
-)  # fmt: skip
 
 
-@dataclass(frozen=True)
-class TestResult:
-    """A question with its corrected p-value.
-
-    Parameters
-    ----------
-    asked : FilterTest
-    holm : float
-        p-value after Holm's correction over all tests.
-    flagged : bool
-    judge : bool
-        FilterTest where its answer counts; elsewhere it is given for information.
-    """
-
-    asked: FilterTest
-    holm: float
-    flagged: bool
-    judge: bool = True
-
-
-def ask(evidence: list[ViewEvidence], alpha: float) -> list[TestResult]:
+def ask(evidence: list[ViewEvidence], alpha: float) -> list[Finding]:
     """Put every question to every view, and correct for their number.
 
     None to settings most of whose pixels are clipped or saturated.
     """
     evidence = [e for e in evidence if not e.full]
-    coloured = _coloured(evidence)
+    coloured = [e.point for e in evidence if e.view == "frame" and _coloured(e)]
     unfit = {id(e) for e in evidence if e.point in coloured and not _round(e)}
     judges = _quietest(evidence) - unfit
-    asked: list[tuple[FilterTest, bool]] = []
+    asked: list[Finding] = []
     for e in evidence:
-        warmer = [
+        like = replace(e.point, temperature_c=None)
+        others = [
             (o.correlation.variance, o.point.temperature_c)
             for o in evidence
-            if o.view == e.view and o.clipped < 0.005 and replace(o.point, temperature_c=None)
-            == replace(e.point, temperature_c=None)
-        ]  # fmt: skip
-        asked += [(a, id(e) in judges) for a in tests.smoothing(e, warmer)]
-        rest = tests.standing_out(e) + tests.sites(e) + tests.memory(e)
-        asked += [(a, True) for a in rest]
-        asked += [(a, id(e) in judges) for a in tests.row_phases(e)]
-    adjusted = holm(np.array([a.p for a, _ in asked]))
+            if o.view == e.view
+            and o.clipped < FEW_CLIPPED
+            and replace(o.point, temperature_c=None) == like
+        ]
+        of_noise = tests.smoothing(e, others) + tests.row_phases(e)
+        asked += [replace(f, counts=id(e) in judges) for f in of_noise]
+        asked += tests.standing_out(e) + tests.sites(e) + tests.memory(e)
     return [
-        TestResult(a, float(p), bool(judge and p < alpha and a.effect > a.limit), judge)
-        for (a, judge), p in zip(asked, adjusted, strict=True)
+        replace(f, holm=p, flagged=f.counts and p < alpha and f.effect_size > f.limit)
+        for f, p in zip(asked, holm(np.array([f.p_value for f in asked])).tolist(), strict=True)
     ]
 
 
-def _coloured(evidence: list[ViewEvidence]) -> set[OperatingPoint]:
-    """Settings whose noise grows towards high frequencies: interference of the readout.
+def _coloured(e: ViewEvidence) -> bool:
+    """Noise that grows towards high frequencies: interference of the readout.
 
     No filter makes that, and sampled every second pixel it looks like smoothing.
     """
-    points = set()
-    for e in evidence:
-        ratio, se = e.spectrum.suppression
-        if e.view == "frame" and np.isfinite(ratio) and ratio > 0.1 + 4 * se:
-            points.add(e.point)
-    return points
+    ratio, se = e.spectrum.suppression
+    return bool(np.isfinite(ratio) and ratio > LIMITS["spectral_corner"] + NOTICEABLE * se)
 
 
 def _round(e: ViewEvidence) -> bool:
@@ -125,20 +96,19 @@ def _quietest(evidence: list[ViewEvidence]) -> set[int]:
             sets[(e.view, e.point.gain, e.point.channel)].append(e)
     for members in sets.values():
         members.sort(key=lambda e: e.correlation.variance)
-        fine = [e for e in members if e.noise >= FINE * e.step]
+        fine = [e for e in members if e.fine]
         most = 1 if not repeats else len(fine) if members[0].view == "planes" else 2
         chosen |= {id(e) for e in fine[:most] or members[-1:]}
     return chosen
 
 
-def decide(answers: list[TestResult]) -> tuple[str, list[TestResult]]:
-    """The kind ("none" for no flag) and the flagged answers that speak for it."""
-    flagged = [a for a in answers if a.flagged]
-    capped = _of(flagged, "cap_to_neighbours")
-    corrected = [a for a in flagged if a.asked.kind == "dpc"]
-    smoothed = [a for a in flagged if a.asked.kind == "denoise"]
-    remembered = _memory(answers)
-    asked_cap = [a for a in answers if a.asked.test == "cap_to_neighbours"]
+def decide(findings: Sequence[Finding]) -> tuple[str, list[Finding]]:
+    """The kind ("none" for no flag) and the flagged findings that speak for it."""
+    flagged = [f for f in findings if f.flagged]
+    corrected = [f for f in flagged if f.kind == "dpc"]
+    smoothed = [f for f in flagged if f.kind == "denoise"]
+    remembered = _memory(findings)
+    capped, asked_cap = (_of(some, "cap_to_neighbours") for some in (flagged, findings))
     if capped and 4 * len(capped) >= len(asked_cap):
         return "dpc", corrected
     if smoothed and not (corrected and _explained(smoothed, corrected)):
@@ -150,71 +120,67 @@ def decide(answers: list[TestResult]) -> tuple[str, list[TestResult]]:
     return "none", []
 
 
-def _of(answers: list[TestResult], *tests: str) -> list[TestResult]:
-    return [a for a in answers if a.asked.test in tests]
+def _of(findings: Sequence[Finding], test: str) -> list[Finding]:
+    return [f for f in findings if f.test == test]
 
 
-def _memory(answers: list[TestResult]) -> list[TestResult]:
+def _memory(findings: Sequence[Finding]) -> list[Finding]:
     """Flags of at least half of the settings in which rounding could not hide a memory."""
     able = [
-        a for a in _of(answers, "temporal_autocorrelation")
-        if a.asked.evidence.noise >= 1.2 * a.asked.evidence.step or a.flagged
+        f for f in _of(findings, "temporal_autocorrelation")
+        if f.flagged or f.evidence.fine
     ]  # fmt: skip
-    flagged = [a for a in able if a.flagged]
+    flagged = [f for f in able if f.flagged]
     return flagged if 2 * len(flagged) >= max(1, len(able)) else []
 
 
-def _explained(smoothed: list[TestResult], corrected: list[TestResult]) -> bool:
+def _explained(smoothed: list[Finding], corrected: list[Finding]) -> bool:
     """The correction alone makes the noise look smoothed: it touched hot pixels alone, or its sites
     are plain and the smoothing is slight, as where a low threshold replaces a few per cent.
     """
-    slight = all(a.asked.effect < SLIGHT.get(a.asked.test, np.inf) for a in smoothed)
-    plain = max((_score(a) for a in _of(corrected, "static_replacement")), default=0.0) > 2
+    slight = all(f.effect_size < SLIGHT * LIMITS[f.test] for f in smoothed if f.test not in BACKED)
+    plain = max((f.score for f in _of(corrected, "static_replacement")), default=0.0) > 2
     return _only_maxima(smoothed + corrected) or (slight and plain)
 
 
-def _score(answer: TestResult) -> float:
-    return answer.asked.effect / answer.asked.limit
-
-
-def _only_maxima(answers: list[TestResult]) -> bool:
+def _only_maxima(findings: list[Finding]) -> bool:
     """Maxima of the frames as recorded are rarer and minima are not: hot pixels alone were
     touched.
     """
-    seen = {id(a.asked.evidence): a.asked.evidence.recorded for a in answers}
+    seen = {id(f.evidence): f.evidence.recorded for f in findings}
     up = np.mean([1 - 9 * r.above / r.pixels for r in seen.values()])
     down = np.mean([1 - 9 * r.below / r.pixels for r in seen.values()])
     return bool(up > 0.01 and down < 0.4 * up)
 
 
-def reason(answer: TestResult, kind: str, speaks: bool, also: tuple[str, ...], alpha: float) -> str:
-    """Why an answer does not count; empty for one that speaks for the verdict.
+def settled(
+    findings: Sequence[Finding], kind: str, flags: Sequence[Finding], also: Sequence[str],
+    alpha: float,
+) -> tuple[Finding, ...]:  # fmt: skip
+    """Findings flagged where the verdict rests on them, the others with the reason why not.
 
-    Parameters
-    ----------
-    answer : TestResult
-    kind : str
-        Of the verdict.
-    speaks : bool
-        It is one of the answers that the verdict rests on.
-    also : tuple of str
-        Further kinds of which there are signs.
-    alpha : float
-        Chance of a false alarm over all questions.
+    ``flags``: those on which a verdict of this ``kind`` rests; ``also``: further kinds of which
+    there are signs.
     """
-    asked = answer.asked
-    if speaks:
-        return ""
-    if not answer.holm < alpha:
+    speaks = {id(f) for f in flags}
+    return tuple(
+        replace(f, flagged=True) if id(f) in speaks
+        else replace(f, flagged=False, reason=_reason(f, kind, also, alpha))
+        for f in findings
+    )  # fmt: skip
+
+
+def _reason(f: Finding, kind: str, also: Sequence[str], alpha: float) -> str:
+    if not f.holm < alpha:
         return NOT_SIGNIFICANT
-    if not answer.judge:
+    if not f.counts:
         return "not used here: crosstalk or quantization can cause it; only the lowest noise counts"
-    if not math.isfinite(asked.limit):
+    if not math.isfinite(f.limit):
         return "not sufficient alone: periodic noise, particle hits or clusters can cause it"
-    if not asked.effect > asked.limit:
-        return f"effect size up to {number(asked.limit, 2)} occurs in unfiltered sensors"
-    if kind in (asked.kind, "none"):
+    if not f.effect_size > f.limit:
+        return f"effect size up to {number(f.limit, 2)} occurs in unfiltered sensors"
+    if kind in (f.kind, "none"):
         return "too few operating points agree"
-    if asked.kind in also:
-        return f"indicates {KINDS[asked.kind]} as well"
+    if f.kind in also:
+        return f"indicates {KINDS[f.kind]} as well"
     return f"explained by the {KINDS[kind]}"

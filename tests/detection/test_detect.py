@@ -113,7 +113,7 @@ def test_pixels_beside_replaced_sites_do_not_hide_the_edge():
     frame[pairs[:, 0], pairs[:, 1] + 1] = 150.0  # a fainter neighbour, which stays
     frame[hot[:, 0], hot[:, 1]] = 100.0
     stack = np.repeat(frame[None], 3, axis=0).astype(np.float32)
-    bare, masked = (standing_out(stack, 1, 1.0, replaced=r).difference for r in (None, hot))
+    bare, masked = (standing_out([stack], 1, 1.0, replaced=r).difference for r in ((), [hot]))
     k = int(np.searchsorted(bare.bounds, 20.0))
     assert bare.own[k] > 100 * 3
     assert masked.own[k] < 0.05 * bare.own[k]

@@ -16,11 +16,10 @@ from dnanalyze.detection.correlation import (
     largest_crosstalk,
     shot_share,
 )
-from dnanalyze.detection.excess import standing_out
+from dnanalyze.detection.excess import SLOPES, standing_out
+from dnanalyze.detection.extremes import exceedance, row_phase
 from dnanalyze.detection.memory import autocorrelation, expected_excess, memory_of
-from dnanalyze.detection.rank import exceedance
 from dnanalyze.detection.replaced import RULES, Replaced, replaced
-from dnanalyze.detection.rows import row_phase
 from dnanalyze.detection.spectrum import octave_spectrum
 from dnanalyze.detection.texture import equal_neighbours, texture
 from dnanalyze.detection.verdict import holm
@@ -38,15 +37,13 @@ def _images(marginal: str, seed: int, shape: tuple[int, int, int] = (4, 200, 200
 
 
 @pytest.mark.parametrize("marginal", MARGINALS)
-@pytest.mark.parametrize("neighbours", [8, 12, 24])
-def test_local_extremes_are_as_rare_as_theory_says(marginal, neighbours):
-    found = exceedance(_images(marginal, neighbours), neighbours)
+def test_local_extremes_are_as_rare_as_theory_says(marginal):
+    found = exceedance(_images(marginal, 8))
     assert abs(found.extremes - 1) < 5 * found.se
 
 
-@pytest.mark.parametrize("neighbours", [8, 12, 24])
-def test_standard_errors_of_extremes_are_those_of_repetition(neighbours):
-    found = [exceedance(_images("normal", s, (1, 96, 96)), neighbours) for s in range(200)]
+def test_standard_errors_of_extremes_are_those_of_repetition():
+    found = [exceedance(_images("normal", s, (1, 96, 96))) for s in range(200)]
     spread = np.std([f.extremes for f in found])
     assert spread == pytest.approx(found[0].se, rel=5 / np.sqrt(400))
 
@@ -172,8 +169,8 @@ def test_the_memory_of_a_recursive_filter_comes_back():
 @pytest.mark.parametrize("marginal", MARGINALS)
 def test_pixels_stand_out_of_their_neighbours_as_often_as_of_others(marginal):
     frames = _images(marginal, 8)
-    out = standing_out(frames, 1, 1.0)
-    for found in (out.difference, out.ratio, *out.sloped):
+    out = standing_out([frames], 1, 1.0)
+    for found in (out.difference, out.ratio, *map(out.along, SLOPES)):
         enough = found.control > 50
         low = stats.poisson.ppf(1e-6, found.control[enough])  # two rings: the control is rarer
         assert np.all(found.own[enough] >= low * 0.9)
@@ -251,10 +248,12 @@ def test_matches_by_chance_are_told_by_those_in_all_frames_but_one(shared, nearl
     seen = SimpleNamespace(
         replaced=sites,
         listed=None,
+        view="frame",
+        point=SimpleNamespace(temperature_c=None),
         correlation=SimpleNamespace(along_rows=(shared, 0.0), along_columns=(0.0, 0.0)),
     )
     (asked,) = tests.sites(seen)
-    assert asked.effect == pytest.approx(20.0)
+    assert asked.effect_size == pytest.approx(20.0)
     assert asked.limit == pytest.approx(5.0 * times)
 
 
@@ -262,10 +261,10 @@ def _seen(view: str, variance: float) -> SimpleNamespace:
     """Evidence of a setting, its noise correlated by .03 with next neighbours alone."""
     lag = LagCorrelation((0.03, 0.0, 0.0), (0.03, 0.0, 0.0), 0.0, 1e-3, variance)
     return SimpleNamespace(
-        view=view, usable=True, temporal=True, noise=5.0, step=1.0, correlation=lag,
+        view=view, usable=True, temporal=True, fine=True, correlation=lag,
         point=SimpleNamespace(temperature_c=None, gain=1.0, channel=None), equal=(0.1, 0.1, 10000),
         spectrum=SimpleNamespace(concavity=lambda: (0.0, 0.01), independent_chords=6),
-        rank={8: SimpleNamespace(extremes=1.0, se=0.01)},
+        extremes=SimpleNamespace(extremes=1.0, se=0.01),
         texture=SimpleNamespace(
             dispersion=1.0, dispersion_se=0.1, hh_excess=0.0, hh_se=0.1, hh_kurtosis=3.0
         ),
@@ -276,7 +275,7 @@ def test_crosstalk_may_correlate_neighbours_but_hardly_those_of_a_colour():
     for view, told in (("frame", False), ("planes", True)):
         asked = {a.test: a for a in tests.smoothing(_seen(view, 1.0), [])}
         found = asked["crosstalk_or_denoise"]
-        assert (found.effect > found.limit) == told
+        assert (found.effect_size > found.limit) == told
 
 
 def test_a_denoise_may_show_at_any_setting_within_a_colour_and_at_the_quietest_in_the_frame():

@@ -33,7 +33,7 @@ def corrected():
 
 @pytest.mark.parametrize("draw", PICTURES)
 def test_every_test_is_drawn(corrected, draw):
-    made = draw(corrected.answers)
+    made = draw(corrected.findings)
     assert made is not None
     for name in PICTURES[draw]:
         assert f">{name}" in _text(made)
@@ -42,7 +42,7 @@ def test_every_test_is_drawn(corrected, draw):
 
 def test_flags_show(corrected):
     flagged, clean = (
-        {key.label for key in draw(corrected.answers).legend}
+        {key.label for key in draw(corrected.findings).legend}
         for draw in (filter_tests.corrections, filter_tests.remembering)
     )
     assert "flagged" in flagged
@@ -51,5 +51,5 @@ def test_flags_show(corrected):
 
 def test_what_one_frame_does_not_determine_has_no_panel():
     single = detect(captures(VirtualSensor(Traits(gain=1.2), (96, 96), 2), (25.0,), 1))
-    assert filter_tests.remembering(single.answers) is None
-    assert "Static replacement" not in _text(filter_tests.corrections(single.answers))
+    assert filter_tests.remembering(single.findings) is None
+    assert "Static replacement" not in _text(filter_tests.corrections(single.findings))

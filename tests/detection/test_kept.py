@@ -34,7 +34,7 @@ def test_a_second_detection_reads_no_frame(folder, tmp_path, monkeypatch):
     monkeypatch.setattr(FrameReader, "__call__", _refuse)
     again = detect(captures.cached(kept))
     assert json.dumps(again.to_plain()) == json.dumps(first.to_plain())
-    assert len(again.answers) == len(first.answers)
+    assert len(again.findings) == len(first.findings)
     with pytest.raises(AssertionError, match="was read"):
         detect(captures)
 

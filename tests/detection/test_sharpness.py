@@ -11,6 +11,7 @@ from unfiltered import Clusters
 
 from dnanalyze.detection import tests
 from dnanalyze.detection.excess import standing_out
+from dnanalyze.loaders.captures import OperatingPoint
 
 NOISE = 3.0
 SIDE = 384
@@ -22,11 +23,12 @@ def _frame(hot: np.ndarray, seed: int) -> np.ndarray:
 
 
 def _asked(frame: np.ndarray, reach: int, replaced: np.ndarray | None = None):
-    out = standing_out(frame[None].astype(np.float32), reach, NOISE, replaced=replaced)
-    seen = SimpleNamespace(noise=NOISE, frames=3)  # as if hits were out
+    sites = () if replaced is None else [replaced]
+    out = standing_out([frame[None].astype(np.float32)], reach, NOISE, replaced=sites)
+    seen = SimpleNamespace(noise=NOISE, frames=3, view="frame", point=OperatingPoint())  # hits out
     return [
-        tests._end(seen, out, out.difference, "dynamic_threshold", 1.0),
-        tests._end(seen, out, out.ratio, "ratio_rule", 1.0),
+        tests._end(seen, out, out.difference, "dynamic_threshold"),
+        tests._end(seen, out, out.ratio, "ratio_rule"),
         tests._slope(seen, out),
     ]
 
@@ -40,7 +42,7 @@ def test_clusters_of_any_law_thin_the_tail_no_more_sharply_than_is_allowed(
     frame = _frame(5 * Clusters(density, size, radius, law).draw((SIDE, SIDE), rng), size)
     for reach in (1, 2):
         for asked in _asked(frame, reach):
-            assert asked.p > 1e-4, asked.words
+            assert asked.p_value > 1e-4, asked.words
 
 
 @pytest.mark.parametrize(
@@ -57,5 +59,5 @@ def test_a_rule_cuts_it(slope, plus, reach, test):
     sites = frame - 100 > slope * top + plus
     corrected = np.where(sites, ndimage.median_filter(frame, footprint=ring), frame)
     found = {a.test: a for a in _asked(corrected, reach, np.argwhere(sites))}[test]
-    assert found.p < 1e-6
-    assert found.effect > found.limit
+    assert found.p_value < 1e-6
+    assert found.effect_size > found.limit

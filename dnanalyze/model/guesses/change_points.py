@@ -22,21 +22,12 @@ _LENGTHS = 8  # lengths of a settling that are tried, from half a line to half a
 
 @dataclass(frozen=True)
 class Strips:
-    """Strips of lines, each with its level.
+    """Strips of lines, each with its level."""
 
-    Parameters
-    ----------
-    begins : ndarray of int
-        Place in the profile of the first line of every strip but the first.
-    levels : ndarray
-        Of each strip, DN, beside the trend.
-    share, length, side : float, float, str
-        Share of each step left beside its edge, the lines over which it settles by e, and the
-        side ("after", "before", "both"); 0 where nothing settles.
-    """
-
-    begins: np.ndarray
-    levels: np.ndarray
+    begins: np.ndarray  # place in the profile of the first line of every strip but the first
+    levels: np.ndarray  # of each strip, DN, beside the trend
+    # Share of each step left beside its edge, the lines over which it settles by e, and the side
+    # ("after", "before", "both"); 0 where nothing settles.
     share: float = 0.0
     length: float = 1.0
     side: str = "after"
@@ -52,7 +43,7 @@ class _Fit:
 
 
 def strips(profile: np.ndarray) -> Strips | None:
-    """The strips of a profile beside a cubic trend; None where it has none.
+    """The strips of a profile of lines, DN, beside a cubic trend; None where it has none.
 
     Edges are added one by one where each explains most, and moved until none explains more. Their
     number has the least modified Bayesian information criterion for change points,
@@ -63,11 +54,6 @@ def strips(profile: np.ndarray) -> Strips | None:
     alike count once. A settling has two regular numbers. Strips are taken where they leave less
     than a polynomial of as many numbers, for a smooth profile is no staircase, and only edges that
     are seen in the lines beside them.
-
-    Parameters
-    ----------
-    profile : ndarray
-        Means of lines in order, DN.
     """
     n = profile.size
     if n < _FEWEST or not np.isfinite(profile).all():

@@ -63,23 +63,11 @@ def code_widths(
     edges out of place by a normal prior), so that a slow pattern that any density could make is
     not called the converter's.
 
-    Parameters
-    ----------
-    histograms : sequence of (codes, counts)
-        Codes as whole numbers, rising.
-    periods : iterable of int
-        Codes.
-
-    Returns
-    -------
-    list of ndarray
-        (period,) each, from a code that is a multiple of the period on: where one edge in a
-        period is out of place, then where all may be. Empty where no histogram tells.
-
-    References
-    ----------
-    The histogram test of IEEE Std 1241, with densities that are not known. MacKay, Bayesian
-    interpolation, Neural Computation 4 (1992), of the evidence.
+    ``histograms``: pairs of codes, rising whole numbers, and counts. Two arrays of (period,) from a
+    code that is a multiple of the period on: where one edge in a period is out of place, then where
+    all may be. Empty where no histogram tells. The histogram test of IEEE Std 1241, with densities
+    that are not known; of the evidence: MacKay, Bayesian interpolation, Neural Computation 4
+    (1992).
     """
     stacked = _stacked(histograms)
     if stacked is None:

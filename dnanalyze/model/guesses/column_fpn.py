@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
@@ -35,36 +34,25 @@ def guess(effect: type[ColumnFpn], clues: Clues) -> list[Effect]:
     power = [typical(row) for row in band_excess(clues, "pattern_columns")]
     rho = _correlation(power[1], power[3])
     scattered = effect(bounded(effect, "sigma", sigma), rho)
-    transient = _transient(clues)
-    if transient is None:
+    numbers, left = _transient(clues)
+    if not numbers:
         return [scattered]
     alone = bounded(effect, "sigma", math.sqrt(max(power[3], 0.0) / clues.shape[0]))
-    settling = effect(alone, 0.0, **transient.numbers)
-    return [settling] if transient.left < MOST_LEFT else [scattered, settling]
+    settling = effect(alone, 0.0, **numbers)
+    return [settling] if left < MOST_LEFT else [scattered, settling]
 
 
-@dataclass(frozen=True)
-class _Transient:
-    """Offsets that decay from the first columns, or from both ends.
-
-    ``numbers``: those of the effect. ``left``: share of the variance of the column means that they
-    leave.
-    """
-
-    numbers: dict[str, Any]
-    left: float
-
-
-def _transient(clues: Clues) -> _Transient | None:
+def _transient(clues: Clues) -> tuple[dict[str, Any], float]:
     """Exponentials a e^(-j/l) from one end, or from both, that fit the fitted half's column means.
 
-    Least squares over a grid of lengths. None where they leave more than half of the variance of
-    the means, or where the length cannot be told from a slope. A second end is taken where it
-    leaves `SECOND_LEFT` of what the first end alone leaves.
+    Numbers of the effect, and the share of the variance of the means that they leave. Least squares
+    over a grid of lengths. None where they leave more than half of the variance, or where the
+    length cannot be told from a slope. A second end is taken where it leaves `SECOND_LEFT` of what
+    the first end alone leaves.
     """
     places, means = (part[: clues.shape[1]] for part in line_profile(clues, "columns"))
     if means.size < _FEWEST:
-        return None
+        return {}, 1.0
     blocks = means[: means.size // _BLOCK * _BLOCK].reshape(-1, _BLOCK).mean(axis=1)
     at = places[: blocks.size * _BLOCK].reshape(-1, _BLOCK).mean(axis=1)
     level = blocks - blocks.mean()
@@ -74,27 +62,21 @@ def _transient(clues: Clues) -> _Transient | None:
     lengths = np.geomspace(_BLOCK, 0.4 * means.size, 24)
     ends = at, clues.field[1] - 1 - at
     shapes = [np.exp(-np.subtract.outer(e, [e.min()]) / lengths) for e in ends]
-    fits = [_fitted(level, smooth, shapes, lengths, (side,)) for side in (0, 1)]
-    one = min(fits, key=lambda f: f[0])
-    both = _fitted(level, smooth, shapes, lengths, (one[1][0].side, 1 - one[1][0].side))
-    left, found = both if both[0] < SECOND_LEFT * one[0] else one
-    if left > 0.5 * total or found[0].length >= lengths[-1]:
-        return None
-    numbers: dict[str, Any] = {"first": ("left", "right")[found[0].side]}
-    for names, decay in zip((("settle", "length"), ("edge", "edge_length")), found, strict=False):
-        start = float(ends[decay.side].min())
-        height = decay.height * math.exp(min(start / decay.length, 5.0))
-        numbers |= zip(names, (height, decay.length), strict=True)
-    return _Transient(numbers, left / total)
-
-
-@dataclass(frozen=True)
-class _Decay:
-    """An exponential from the left end, side 0, or the right one; DN and columns."""
-
-    side: int
-    height: float
-    length: float
+    alone = {side: _fitted(level, smooth, [shapes[side]]) for side in (0, 1)}
+    first = min(alone, key=lambda side: alone[side][0])
+    left, found = alone[first]
+    both = _fitted(level, smooth, [shapes[first], shapes[1 - first]])
+    if both[0] < SECOND_LEFT * left:
+        left, found = both
+    if left > 0.5 * total or found[0][1] == lengths.size - 1:
+        return {}, 1.0
+    numbers: dict[str, Any] = {"first": ("left", "right")[first]}
+    names = (("settle", "length"), ("edge", "edge_length"))
+    for own, side, (height, n) in zip(names, (first, 1 - first), found, strict=False):
+        start = float(ends[side].min())
+        grown = math.exp(min(start / float(lengths[n]), 5.0))
+        numbers |= zip(own, (height * grown, float(lengths[n])), strict=True)
+    return numbers, left / total
 
 
 def _has_bowl(clues: Clues) -> bool:
@@ -112,26 +94,20 @@ def _has_bowl(clues: Clues) -> bool:
 
 
 def _fitted(
-    level: np.ndarray,
-    smooth: np.ndarray,
-    shapes: list[np.ndarray],
-    lengths: np.ndarray,
-    sides: tuple[int, ...],
-) -> tuple[float, list[_Decay]]:
-    """Least sum of squares of decays from these ends beside ``smooth``, and the decays; their best
-    lengths.
+    level: np.ndarray, smooth: np.ndarray, shapes: list[np.ndarray]
+) -> tuple[float, list[tuple[float, int]]]:
+    """Least sum of squares of one decay of each of these shapes, (places, lengths), beside
+    ``smooth``; the height of each and the number of its length.
     """
-    best: tuple[float, list[_Decay]] = (math.inf, [])
-    for at in product(range(len(lengths)), repeat=len(sides)):
-        columns = [shapes[side][:, n] for side, n in zip(sides, at, strict=True)]
-        design = np.column_stack([smooth, *columns])
+    best: tuple[float, list[tuple[float, int]]] = (math.inf, [])
+    for at in product(*(range(s.shape[1]) for s in shapes)):
+        design = np.column_stack([smooth, *(s[:, n] for s, n in zip(shapes, at, strict=True))])
         normal, slope = design.T @ design, design.T @ level
         found = np.linalg.lstsq(normal, slope, rcond=None)[0]
         left = float(level @ level - slope @ found)
         if left < best[0]:
             heights = map(float, found[smooth.shape[1] :])
-            decays = zip(sides, heights, (float(lengths[n]) for n in at), strict=True)
-            best = left, [_Decay(*d) for d in decays]
+            best = left, list(zip(heights, at, strict=True))
     return best
 
 

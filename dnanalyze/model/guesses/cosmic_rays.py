@@ -13,9 +13,9 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.cosmic_rays import STEPPED, CosmicRays
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, excess, shows
-from dnanalyze.significance import SIGN
+from dnanalyze.significance import CERTAIN, SIGN
 
-LIMIT, CUT = 8.0, 6.0  # noises that a transient stands out by, and a difference of two frames
+LIMIT = 8.0  # noises that a transient stands out by; a difference of two frames by `CERTAIN`
 REACH, MUCH = 60.0, 0.1  # noises up to which differences are counted, nearly; share beyond
 CROSSED = 4.0 / math.pi  # pixels that a pixel of track crosses, in the mean over its direction
 KINDS = "track", "path"  # whose charge is exponential
@@ -52,7 +52,9 @@ def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
         return guesses
     length, rate, pixels = seen.tracks(1.0)
     energy = (
-        (a_pixel + math.sqrt(2.0) * CUT * float(noise[place])) / hints.gains(clues)[place] * pixels
+        (a_pixel + math.sqrt(2.0) * CERTAIN * float(noise[place]))
+        / hints.gains(clues)[place]
+        * pixels
     )
     tracks = {"rate": rate, "energy": energy, "length": length, "readout_s": readout_s}
     return [*guesses, *(effect.within(**tracks, charge=kind) for kind in STEPPED)]
@@ -60,26 +62,13 @@ def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
 
 @dataclass(frozen=True)
 class _Clumps:
-    """Clumps of pixels that stand out once.
-
-    Parameters
-    ----------
-    count : float
-    pixels : float
-        In all of them.
-    exposed : float
-        Million pixels times seconds, or times frames where the exposure is unknown.
-    border : float
-        Length of the border over the area, 1/pixel.
-    readout_s : float
-        Time beyond the exposures in which hits came, s; it is in ``exposed``.
-    """
+    """Clumps of pixels that stand out once."""
 
     count: float
-    pixels: float
-    exposed: float
-    border: float
-    readout_s: float
+    pixels: float  # in all of them
+    exposed: float  # million pixels times seconds, or times frames where the exposure is unknown
+    border: float  # length of the border over the area, 1/pixel
+    readout_s: float  # time beyond the exposures in which hits came, s; it is in ``exposed``
 
     def tracks(self, crossed: float) -> tuple[float, float, float]:
         """Mean length, rate, and pixels a hit.
@@ -123,14 +112,8 @@ def readout_time(count: np.ndarray, area: np.ndarray, seconds: np.ndarray) -> fl
 
     By maximum likelihood, with the rate eliminated.
 
-    Parameters
-    ----------
-    count : ndarray
-        Hits, Poisson about rate x area x (seconds + time); one a setting, as the others.
-    area : ndarray
-        Million pixels times frames.
-    seconds : ndarray
-        Exposures, s.
+    Hits are Poisson about rate x ``area`` (million pixels times frames) x (``seconds`` + time), one
+    number a setting.
     """
     longest = float(seconds.max())
     if np.ptp(seconds) <= 0.0 or not count.any():
@@ -167,8 +150,8 @@ def _charge(clues: Clues, setting: int, noise: float) -> tuple[float, bool]:
     if x is None or n is None:
         return PLAIN * noise, True
     far = np.abs(x) / noise
-    beyond, ends = n[far > CUT].sum(), n[far > REACH].sum()
+    beyond, ends = n[far > CERTAIN].sum(), n[far > REACH].sum()
     if beyond < FEWEST:
         return PLAIN * noise, True
-    charge = math.sqrt(2.0) * noise * float(np.sum(n * np.maximum(far - CUT, 0.0)) / beyond)
+    charge = math.sqrt(2.0) * noise * float(np.sum(n * np.maximum(far - CERTAIN, 0.0)) / beyond)
     return charge, bool(ends > MUCH * beyond)

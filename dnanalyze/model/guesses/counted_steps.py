@@ -22,15 +22,7 @@ def counted_steps(centres: np.ndarray, counts: np.ndarray) -> tuple[float, float
     many in each, the power between the ripples is lost in chance. A core as steep at its lower end
     as a step, a log-normal wider than .5 with next to no noise, has a ripple too, of some .1.
 
-    Parameters
-    ----------
-    centres, counts : ndarray, shape (bins,)
-        Histogram, equal bins in its core; DN.
-
-    Returns
-    -------
-    (float, float) or None
-        Spacing, DN; mean number. None where no ripple stands out.
+    Of a histogram of equal bins in its core; the spacing in DN. None where no ripple stands out.
     """
     total = float(np.sum(counts))
     width = float(np.min(np.diff(centres))) if centres.size > 2 else 0.0

@@ -63,18 +63,10 @@ def thermal_fit(
 ) -> tuple[float, float] | None:
     """Amplitude at the reference and activation energy from one amplitude a setting.
 
-    Parameters
-    ----------
-    amplitude : ndarray
-        Already over exposure and gain; settings without a positive finite one are left out.
-        The larger ones weigh more, for they stand farther above their noise.
-    default_ev : float
-        Activation energy where the settings cannot tell it, eV.
-
-    Returns
-    -------
-    tuple of float, or None
-        (amplitude at the reference temperature, eV in 0 to 1.5); None without any usable setting.
+    The amplitudes are already over exposure and gain; settings without a positive finite one are
+    left out, and the larger ones weigh more, for they stand farther above their noise. Returns the
+    amplitude at the reference temperature and an energy of 0 to 1.5 eV, ``default_ev`` where the
+    settings cannot tell it; None without any usable setting.
     """
     good = np.isfinite(amplitude) & (amplitude > 0)
     if not good.any():

@@ -23,21 +23,11 @@ SIGNS = *(f"hot_count_{k}" for k in (5, 8, 16)), "pattern_q0.99", "pattern_q0.99
 
 @dataclass(frozen=True)
 class Peak:
-    """A narrow peak of hot pixels.
+    """A narrow peak of hot pixels."""
 
-    Parameters
-    ----------
-    amplitude : float
-        Mean signal above the median pixel, DN.
-    share : float
-        Of all pixels.
-    width : float
-        Standard deviation over the mean, without that of the core.
-    """
-
-    amplitude: float
-    share: float
-    width: float
+    amplitude: float  # mean signal above the median pixel, DN
+    share: float  # of all pixels
+    width: float  # standard deviation over the mean, without that of the core
 
 
 def hot_peaks(clues: Clues) -> list[list[Peak]]:
@@ -57,17 +47,8 @@ def peaks(centres: np.ndarray, counts: np.ndarray, sigma: float) -> list[Peak]:
 
     The tail is the running median of bins of equal ratio.
 
-    Parameters
-    ----------
-    centres, counts : ndarray, shape (bins,)
-        DN; pixels.
-    sigma : float
-        Robust standard deviation of its core, DN.
-
-    Returns
-    -------
-    list of Peak
-        That of most pixels first.
+    ``centres``: DN; ``counts``: pixels; ``sigma``: robust standard deviation of the core, DN. That
+    of most pixels comes first.
     """
     summed = np.cumsum(counts)
     x = centres - np.interp(0.5 * summed[-1], summed, centres)

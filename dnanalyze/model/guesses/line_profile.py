@@ -13,16 +13,7 @@ from dnanalyze.robust import robust_deviation
 def line_profile(clues: Clues, axis: str) -> tuple[np.ndarray, np.ndarray]:
     """Numbers of the lines in the full frame, and their offsets at the reference gain, DN.
 
-    Parameters
-    ----------
-    clues : Clues
-    axis : str
-        "columns" or "rows".
-
-    Returns
-    -------
-    places, offsets : ndarray
-        Empty where no setting has them.
+    ``axis``: "columns" or "rows". Empty where no setting has them.
     """
     seen = [clues.lines(axis, setting) for setting in range(len(clues.points))]
     places = next((places for places, means in seen if means.size > 1), np.empty(0, int))

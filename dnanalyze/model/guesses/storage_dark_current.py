@@ -15,10 +15,10 @@ from dnanalyze.model.effects.storage_dark_current import StorageDarkCurrent
 from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, shows, straight
 from dnanalyze.model.laws import Law, TableLaw
+from dnanalyze.significance import NOTICEABLE
 
 SPREAD = 0.8  # of ln(dark current) over the pixels of common sensors
 BEFORE = 0.0, 2.0  # the first row is read at once, or after two readouts of the field
-LEAST_GROWTH = 4.0  # standard errors: of 8 operating points by chance once in 2,000 captures
 
 
 def guess(effect: type[StorageDarkCurrent], clues: Clues) -> list[Effect]:
@@ -31,7 +31,7 @@ def guess(effect: type[StorageDarkCurrent], clues: Clues) -> list[Effect]:
     if not shows(clues, ("scatter_shading_0_1",), 0):
         return []
     grown, errors = np.array([_growth(clues, i) for i in range(len(clues.points))]).T
-    seen = np.abs(grown) > LEAST_GROWTH * errors
+    seen = np.abs(grown) > NOTICEABLE * errors
     sign = math.copysign(1.0, float(grown[seen].sum()))
     size = np.sqrt(np.where(seen, np.maximum(sign * grown, 0.0), 0.0))
     fitted = hints.thermal_fit(clues, size / hints.gains(clues), 0.63)
@@ -40,7 +40,7 @@ def guess(effect: type[StorageDarkCurrent], clues: Clues) -> list[Effect]:
     height, energy = fitted
     growth = hints.gains(clues) * hints.thermal_growth(clues, np.array([energy]))[0]
     laws: list[tuple[float | TableLaw, float]] = [(height, energy)]
-    off = np.abs(sign * grown - (height * growth) ** 2) > LEAST_GROWTH * errors
+    off = np.abs(sign * grown - (height * growth) ** 2) > NOTICEABLE * errors
     if (off & seen).any():
         own = np.where(seen, size, height * growth) / hints.gains(clues)
         laws.append((TableLaw(tuple(clues.points), tuple(map(float, own))), 0.0))

@@ -9,6 +9,7 @@ import numpy as np
 
 from dnanalyze.detection.memory import expected_excess
 from dnanalyze.detection.replaced import RULES
+from dnanalyze.detection.results import Finding
 from dnanalyze.detection.spectrum import CENTRES
 from dnanalyze.report.figures.style import (
     GAUSSIAN,
@@ -45,7 +46,7 @@ TITLES = {  # identifiers of the tests, readable
     "temporal_autocorrelation": "Correlation from frame to frame",
     "recursive_memory": "Equivalent recursive filter",
 }
-OF = {"recursive_memory": "temporal_autocorrelation"}  # what is drawn of another test's answer
+OF = {"recursive_memory": "temporal_autocorrelation"}  # what is drawn of another test's finding
 SAYS = {  # what the vertical axis of a test that is drawn over the settings holds
     "crosstalk_or_denoise": "corr. at 1 px − 2.5 × corr. at 2 px",
     "median_equality": "excess of equal neighbours",
@@ -58,7 +59,7 @@ SAYS = {  # what the vertical axis of a test that is drawn over the settings hol
 }
 ERRORS: dict[str, Callable[[Any], float]] = {
     "crosstalk_or_denoise": lambda e: 3 * e.correlation.se,
-    "rank_exceedance": lambda e: e.rank[8].se,
+    "rank_exceedance": lambda e: e.extremes.se,
     "local_variance": lambda e: e.texture.dispersion_se,
     "wavelet_kurtosis": lambda e: e.texture.hh_se,
     "temporal_autocorrelation": lambda e: e.memory.shared_se,
@@ -85,58 +86,60 @@ REMEMBERING = (
 )
 
 
-def smoothing(answers: Sequence[Any]) -> Picture | None:
+def smoothing(findings: Sequence[Finding]) -> Picture | None:
     """The tests for spatial denoise.
 
     Parameters
     ----------
-    answers : sequence of Answer
+    findings : sequence of Finding
         Of one `Detection`.
     """
     tests = (
         "spectral_corner", "crosstalk_or_denoise", "median_equality", "rank_exceedance",
         "local_variance", "wavelet_kurtosis",
     )  # fmt: skip
-    return _panels(answers, tests, SMOOTHING, "Tests for spatial denoise.")
+    return _panels(findings, tests, SMOOTHING, "Tests for spatial denoise.")
 
 
-def corrections(answers: Sequence[Any]) -> Picture | None:
+def corrections(findings: Sequence[Finding]) -> Picture | None:
     """The tests for defect-pixel correction, and for rows that alone are filtered."""
     tests = (
         "cap_to_neighbours", "dynamic_threshold", "ratio_rule", "ratio_and_threshold",
         "static_replacement", "row_phase",
     )  # fmt: skip
-    return _panels(answers, tests, CORRECTIONS, "Tests for defect-pixel correction.")
+    return _panels(findings, tests, CORRECTIONS, "Tests for defect-pixel correction.")
 
 
-def remembering(answers: Sequence[Any]) -> Picture | None:
+def remembering(findings: Sequence[Finding]) -> Picture | None:
     """The test for temporal denoise, and what recursive memory it would mean."""
     tests = ("temporal_autocorrelation", "recursive_memory")
-    return _panels(answers, tests, REMEMBERING, "Test for temporal denoise.")
+    return _panels(findings, tests, REMEMBERING, "Test for temporal denoise.")
 
 
-def draw_test(ax: Any, answers: Sequence[Any], test: str) -> Any:
+def draw_test(ax: Any, findings: Sequence[Finding], test: str) -> Any:
     """One test: its statistic, the standard errors, and what unfiltered sensors reach.
 
     Parameters
     ----------
     ax : matplotlib axes
-    answers : sequence of Answer
+    findings : sequence of Finding
         Of one `Detection`.
     test : str
         A key of `TITLES`.
     """
     asked = OF.get(test, test)
-    own = [a for a in answers if a.asked.test == asked]
+    own = [a for a in findings if a.test == asked and a.evidence]
     if own:
         PAINT.get(test, _over_settings)(ax, asked, own)
     return ax
 
 
-def _panels(answers: Sequence[Any], tests: Sequence[str], caption: str, alt: str) -> Picture | None:
+def _panels(
+    findings: Sequence[Finding], tests: Sequence[str], caption: str, alt: str
+) -> Picture | None:
     def cell(test: str) -> Cell:
         def draw(ax: Any) -> None:
-            draw_test(ax, answers, test)
+            draw_test(ax, findings, test)
             ax.set_title(TITLES[test] + ax.get_title(loc="left"))
 
         return Cell(draw, 3.35, 2.6)
@@ -144,21 +147,22 @@ def _panels(answers: Sequence[Any], tests: Sequence[str], caption: str, alt: str
     return panels([cell(t) for t in tests], caption, alt)
 
 
-def _over_settings(ax: Any, test: str, answers: Sequence[Any]) -> None:
-    x, label = _places([a.asked.evidence for a in answers])
-    for answer, at in zip(answers, x, strict=True):
-        asked = answer.asked
-        colour, sign, name = VIEWS[asked.evidence.view]
-        colour, name = (FLAGGED, "flagged") if answer.flagged else (colour, name)
+def _over_settings(ax: Any, test: str, findings: Sequence[Finding]) -> None:
+    x, label = _places([a.evidence for a in findings])
+    for finding, at in zip(findings, x, strict=True):
+        colour, sign, name = VIEWS[finding.evidence.view]
+        colour, name = (FLAGGED, "flagged") if finding.flagged else (colour, name)
         if test in ERRORS:
-            se = 2 * ERRORS[test](asked.evidence)
-            ax.vlines(at, asked.effect - se, asked.effect + se, color=colour, linewidth=1.0)
-        speaks = answer.judge and np.isfinite(asked.limit)
-        ax.plot(at, asked.effect, sign, color=colour, markersize=3.8, markeredgewidth=0.9,
+            se = 2 * ERRORS[test](finding.evidence)
+            ax.vlines(
+                at, finding.effect_size - se, finding.effect_size + se, color=colour, linewidth=1.0
+            )
+        speaks = finding.counts and np.isfinite(finding.limit)
+        ax.plot(at, finding.effect_size, sign, color=colour, markersize=3.8, markeredgewidth=0.9,
                 markerfacecolor=colour if speaks else PAPER,
                 label=name if speaks else f"{name}, not used")  # fmt: skip
         if speaks:
-            ax.plot(at, asked.limit, "_", color=QUIET, markersize=11, markeredgewidth=1.2,
+            ax.plot(at, finding.limit, "_", color=QUIET, markersize=11, markeredgewidth=1.2,
                     label=LIMIT)  # fmt: skip
     ax.axhline(0, color=QUIET, linewidth=0.8, zorder=0.5)
     ax.set_xlabel(label)
@@ -178,32 +182,30 @@ def _places(seen: Sequence[Any]) -> tuple[np.ndarray, str]:
     return np.array([1.0 + points.index(e.point) for e in seen]), label
 
 
-def _telling(answers: Sequence[Any]) -> Any:
-    """The answer that says most: flagged and farthest beyond its limit, else the least likely."""
-    return max(
-        answers, key=lambda a: (a.flagged, min(a.asked.effect / a.asked.limit, 1e3), -a.asked.p)
-    )
+def _telling(findings: Sequence[Finding]) -> Any:
+    """The finding that says most: flagged and farthest beyond its limit, else the least likely."""
+    return max(findings, key=lambda a: (a.flagged, min(a.score, 1e3), -a.p_value))
 
 
-def _colour(answer: Any) -> str:
-    return FLAGGED if answer.flagged else VIEWS[answer.asked.evidence.view][0]
+def _colour(finding: Any) -> str:
+    return FLAGGED if finding.flagged else VIEWS[finding.evidence.view][0]
 
 
-def _name(ax: Any, answer: Any, among: Sequence[Any]) -> None:
+def _name(ax: Any, finding: Any, among: Sequence[Finding]) -> None:
     """The operating point follows the title: what differs from the others."""
-    e = answer.asked.evidence
-    apart = varied(vars(a.asked.evidence.point) for a in among)
-    point = "all operating points" if answer.asked.everywhere else point_label(e.point, apart)
+    e = finding.evidence
+    apart = varied(vars(a.evidence.point) for a in among)
+    point = "all operating points" if finding.everywhere else point_label(e.point, apart)
     ax.set_title(f", {point}" + (", one colour" if e.view == "planes" else ""))
 
 
-def _spectrum(ax: Any, _test: str, answers: Sequence[Any]) -> None:
-    telling = _telling(answers)
-    view = telling.asked.evidence.view
-    for answer in [a for a in answers if a.asked.evidence.view == view and a is not telling]:
-        spectrum = answer.asked.evidence.spectrum
+def _spectrum(ax: Any, _test: str, findings: Sequence[Finding]) -> None:
+    telling = _telling(findings)
+    view = telling.evidence.view
+    for finding in [a for a in findings if a.evidence.view == view and a is not telling]:
+        spectrum = finding.evidence.spectrum
         ax.plot(2**CENTRES, spectrum.log_power, color=QUIET, linewidth=0.7, alpha=0.7)
-    spectrum = telling.asked.evidence.spectrum
+    spectrum = telling.evidence.spectrum
     ax.errorbar(2**CENTRES, spectrum.log_power, 2 * spectrum.se, color=_colour(telling),
                 marker="o", markersize=3.5, linewidth=1.2)  # fmt: skip
     chord = spectrum.chord()
@@ -215,18 +217,17 @@ def _spectrum(ax: Any, _test: str, answers: Sequence[Any]) -> None:
     log_axis(ax.xaxis)
     ax.set_xlabel("spatial frequency [cycles/pixel]")
     ax.set_ylabel("ln(power / DN²)")
-    _name(ax, telling, answers)
+    _name(ax, telling, findings)
 
 
-def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
-    telling = _telling(answers)
-    asked = telling.asked
-    e = asked.evidence
-    out = e.above8 if asked.neighbours == 8 else e.above24
+def _survival(ax: Any, test: str, findings: Sequence[Finding]) -> None:
+    telling = _telling(findings)
+    e = telling.evidence
+    out = e.above(telling.neighbours)
     ratio = test == "ratio_rule"
     top = out.ratio if ratio else out.difference
     if test == "ratio_and_threshold":
-        top = out.along(asked.slope)
+        top = out.along(telling.slope)
     own, control = top.own / top.frames, top.control / top.frames
     if not own.any() and not control.any():  # no pixel stands out: nothing to draw
         return
@@ -234,7 +235,7 @@ def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
     ax.plot(top.bounds, np.maximum(own, 0.5 / top.frames), color=_colour(telling), linewidth=1.6,
             label="flagged" if telling.flagged else None)  # fmt: skip
     if telling.flagged:
-        ax.axvline(asked.at, color=FLAGGED, linewidth=0.8)
+        ax.axvline(telling.at, color=FLAGGED, linewidth=0.8)
     some = top.bounds[control >= 1 / top.frames]
     low = 1.0 if ratio else 2 * e.noise
     ax.set_xscale("log")
@@ -244,20 +245,18 @@ def _survival(ax: Any, test: str, answers: Sequence[Any]) -> None:
     ax.set_ylim(0.5 / top.frames, max(2.0, 2 * most))
     log_axis(ax.xaxis)
     log_axis(ax.yaxis)
-    times = "" if asked.slope == 1 else f"{asked.slope:g} × "
+    times = "" if telling.slope == 1 else f"{telling.slope:g} × "
     of = f"{times}largest of {out.neighbours} neighbours"
     ax.set_xlabel(f"pixel / {of}" if ratio else f"pixel − {of} [DN]")
     ax.set_ylabel("pixels per frame")
-    _name(ax, telling, answers)
+    _name(ax, telling, findings)
 
 
-def _sites(ax: Any, _test: str, answers: Sequence[Any]) -> None:
-    telling = _telling(answers)
-    found = telling.asked.sites
+def _sites(ax: Any, _test: str, findings: Sequence[Finding]) -> None:
+    telling = _telling(findings)
+    found = telling.sites
     y = np.arange(len(RULES))[::-1]
-    colours = [
-        FLAGGED if telling.flagged and k == telling.asked.at else INK for k in range(len(RULES))
-    ]
+    colours = [FLAGGED if telling.flagged and k == telling.at else INK for k in range(len(RULES))]
     ax.barh(y, found.control, height=0.62, color=HAIRLINE)
     ax.scatter(found.own, y, s=16, color=colours, zorder=3, clip_on=False)
     ax.set_xscale("symlog", linthresh=10)
@@ -267,24 +266,24 @@ def _sites(ax: Any, _test: str, answers: Sequence[Any]) -> None:
     ax.set_yticks(y, RULES, fontsize=6.5)
     ax.grid(axis="y", visible=False)
     ax.set_xlabel("pixels")
-    _name(ax, telling, answers)
+    _name(ax, telling, findings)
 
 
-def _memory(ax: Any, _test: str, answers: Sequence[Any]) -> None:
-    telling = _telling(answers)
-    measured = telling.asked.evidence.memory
+def _memory(ax: Any, _test: str, findings: Sequence[Finding]) -> None:
+    telling = _telling(findings)
+    measured = telling.evidence.memory
     share = np.linspace(0, 0.9, 46)
     expected = [expected_excess(a, measured.frames) for a in share]
     ax.plot(share, expected, color=INK, linewidth=1.2)
     found = expected_excess(measured.memory, measured.frames)
     ax.plot(measured.memory, found, "o", color=_colour(telling), markersize=5, zorder=3)
-    ax.axhline(telling.asked.limit, color=QUIET, linewidth=0.8, linestyle=(0, (4, 2)))
+    ax.axhline(telling.limit, color=QUIET, linewidth=0.8, linestyle=(0, (4, 2)))
     ax.set_xlabel("weight of the previous frame")
     ax.set_ylabel(SAYS["temporal_autocorrelation"])
-    _name(ax, telling, answers)
+    _name(ax, telling, findings)
 
 
-PAINT: dict[str, Callable[[Any, str, Sequence[Any]], None]] = {  # the others: over the settings
+PAINT: dict[str, Callable[[Any, str, Sequence[Finding]], None]] = {  # the others: over the settings
     "spectral_corner": _spectrum,
     "dynamic_threshold": _survival,
     "ratio_rule": _survival,

@@ -202,9 +202,9 @@ def table(result: Detection) -> pd.DataFrame:
 def plots(result: Detection) -> Mapping[str, Draw]:
     """The figures of the tests, that of what was found first."""
     kinds: dict[str, Draw] = {
-        "denoise": lambda: filter_tests.smoothing(result.answers),
-        "dpc": lambda: filter_tests.corrections(result.answers),
-        "temporal_denoise": lambda: filter_tests.remembering(result.answers),
+        "denoise": lambda: filter_tests.smoothing(result.findings),
+        "dpc": lambda: filter_tests.corrections(result.findings),
+        "temporal_denoise": lambda: filter_tests.remembering(result.findings),
         "suppression": lambda: suppression(result.series),
     }
     return {kind: kinds[kind] for kind in kinds if kind == result.kind} | kinds
