@@ -13,8 +13,8 @@ from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
 from dnanalyze.model.serial import averaged, moving_average
 
-# Forms tried where rows are white, and columns alike
-RELATED = ("serial", 0.2), ("serial", -0.2), ("serial2", 0.2), ("alternating", 0.3)
+# Forms tried where rows are white and level, and columns alike
+RELATED = ("serial", 0.2), ("serial", -0.2), ("serial2", 0.2), ("alternating", 0.3), ("tilt", 0.3)
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,8 @@ class RowNoise(Effect):
         "the ramp or the reference at that instant shifts the whole row; the next row has "
         "another value. Where even and odd columns have converters of their own, above and below "
         "the field, as they have in many CMOS sensors, a part of it has either sign in turn along "
-        "the row (`alternating`). Rows that follow each other may share some of a slow disturbance "
+        "the row (`alternating`). What changes while the row is read tilts it (`tilt`). Rows that "
+        "follow each other may share some of a slow disturbance "
         "(`serial`), and rows of the same field of an interlaced readout, or of the same bank of "
         "converters, some of theirs (`serial2`). It is visible to the eye at a tenth of the pixel "
         "noise. It does not grow with temperature or exposure and follows the analog gain. "
@@ -39,8 +40,9 @@ class RowNoise(Effect):
         "optically black pixels, which leaves 1/n of their noise; quieter supplies."
     )
     formula: ClassVar[str] = (
-        "y_ij += sqrt(1 - a) r_i + sqrt(a) (-1)^j s_i;  r_i, s_i ~ N(0, sigma^2), new in every "
-        "frame; correlation r_1 with the row before, r_2 with the one before that, none farther"
+        "y_ij += sqrt(1 - a) r_i + sqrt(a) (-1)^j s_i + tilt sqrt(3) x_j q_i, x_j from -1 to 1 "
+        "along the row;  r_i, s_i, q_i ~ N(0, sigma^2), new in every frame; correlation r_1 with "
+        "the row before, r_2 with the one before that, none farther"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Wei, Fu, Yang, Huang, A physics-based noise formation model for extreme low-light raw "
@@ -64,14 +66,17 @@ class RowNoise(Effect):
         0.0, "1", 0.0, 1.0, "share of the variance with a sign that alternates along the row",
         "linear",
     )  # fmt: skip
+    tilt: float = parameter(
+        0.0, "1", 0.0, 2.0, "rms of a linear change along the row, over sigma", "linear"
+    )
 
     def inactive_parameters(self) -> tuple[str, ...]:
-        """What is not there: correlations, a sign that alternates."""
-        names = ("serial", "serial2", "alternating")
+        """What is not there: correlations, a sign that alternates, a tilt."""
+        names = ("serial", "serial2", "alternating", "tilt")
         return tuple(name for name in names if getattr(self, name) == 0)
 
     def relatives(self) -> list[Effect]:
-        """Rows that are correlated, with either neighbour, and columns that alternate."""
+        """Rows that are correlated with either neighbour, alternate along the row, or tilt."""
         correlated = self.serial != 0 or self.serial2 != 0
         return [
             replace(self, **{n: r})
@@ -82,12 +87,16 @@ class RowNoise(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
-        share = self.value("alternating", site.point)
+        share, tilt = self.value("alternating", site.point), self.value("tilt", site.point)
         signal += np.float32(sigma * math.sqrt(1.0 - share)) * self._offsets("rows", site)
         if share:
             sign = 1 - 2 * (site.column_index % 2).astype(np.float32)
             each = np.float32(sigma * math.sqrt(share)) * self._offsets("alternating", site)
             signal += each * sign
+        if tilt:
+            place = (2.0 * site.column_index + 1.0) / site.shape[1] - 1.0
+            ramp = (sigma * tilt * math.sqrt(3.0) * place).astype(np.float32)
+            signal += self._offsets("tilt", site) * ramp
         return signal
 
     def _offsets(self, name: str, site: Site) -> np.ndarray:
@@ -102,5 +111,5 @@ class RowNoise(Effect):
         return averaged(white, weights, top == 0)[site.window.top - top :, None]
 
     def variance(self, point: OperatingPoint) -> float:
-        """sigma^2, DN^2."""
-        return self.value("sigma", point) ** 2
+        """sigma^2 (1 + tilt^2), DN^2."""
+        return self.value("sigma", point) ** 2 * (1.0 + self.value("tilt", point) ** 2)

@@ -47,11 +47,25 @@ def test_even_and_odd_columns_have_rows_of_their_own_by_the_share_that_alternate
         assert r.var() == pytest.approx(0.49, rel=2 * five)
         assert np.mean(r[:, 1:] * r[:, :-1]) / 0.49 == pytest.approx(0.3, abs=2 * five)
     assert np.mean(even * odd) / 0.49 == pytest.approx(1.0 - 2.0 * share, abs=2 * five)
-    assert noise.inactive_parameters() == ("serial2",)
+    assert noise.inactive_parameters() == ("serial2", "tilt")
+
+
+def test_a_tilted_row_has_a_linear_change_of_its_own():
+    noise, width = RowNoise(0.7, tilt=0.5), 40
+    d = added(noise, count=3, shape=(4096, width))
+    five = 6 / np.sqrt(3 * 4096)
+    place = (np.arange(width) + 0.5) / width - 0.5
+    offset, slope = d.mean(axis=2), d @ place / (place @ place)
+    np.testing.assert_allclose(d, offset[..., None] + slope[..., None] * place, atol=1e-4)
+    assert offset.var() == pytest.approx(0.49, rel=2 * five)
+    # rms of a ramp of half a unit to either side is sqrt(1 / 12) of its slope
+    assert slope.var() / 12 == pytest.approx(0.49 * 0.25, rel=2 * five)
+    assert np.corrcoef(offset.ravel(), slope.ravel())[0, 1] == pytest.approx(0.0, abs=five)
+    assert d.var() == pytest.approx(noise.variance(None), rel=2 * five)
 
 
 def test_a_window_has_the_rows_of_the_whole_frame():
-    noise = RowNoise(0.7, 0.2, 0.3, 0.4)
+    noise = RowNoise(0.7, 0.2, 0.3, 0.4, 0.5)
     whole = frames(noise, count=1, shape=(64, 6))
     for window in (Window(0, 9, 0, 6), Window(1, 20, 0, 6), Window(33, 64, 2, 5)):
         part = frames(noise, count=1, shape=(64, 6), window=window)
@@ -59,11 +73,13 @@ def test_a_window_has_the_rows_of_the_whole_frame():
         np.testing.assert_allclose(part, whole[:, rows, columns], atol=1e-6)
 
 
-def test_white_rows_have_forms_with_neighbours_or_alternating_and_those_the_other():
-    forms = RowNoise(0.3).relatives()
-    numbers = {(f.serial, f.serial2, f.alternating) for f in forms}
-    assert numbers == {(0.2, 0, 0), (-0.2, 0, 0), (0, 0.2, 0), (0, 0, 0.3)}
-    assert RowNoise(0.3).inactive_parameters() == ("serial", "serial2", "alternating")
-    assert RowNoise(0.3, 0.1).relatives() == [RowNoise(0.3, 0.1, alternating=0.3)]
-    assert len(RowNoise(0.3, alternating=0.2).relatives()) == 3
-    assert RowNoise(0.3, 0.1, alternating=0.2).relatives() == []
+def test_forms_are_those_that_a_row_has_not_yet():
+    extras = ("serial", "serial2", "alternating", "tilt")
+    forms = [tuple(getattr(f, n) for n in extras) for f in RowNoise(0.3).relatives()]
+    assert set(forms) == {
+        (0.2, 0, 0, 0), (-0.2, 0, 0, 0), (0, 0.2, 0, 0), (0, 0, 0.3, 0), (0, 0, 0, 0.3),
+    }  # fmt: skip
+    assert RowNoise(0.3).inactive_parameters() == extras
+    assert [f.serial2 for f in RowNoise(0.3, 0.1).relatives()] == [0, 0]  # both others, not this
+    assert len(RowNoise(0.3, alternating=0.2).relatives()) == 4
+    assert RowNoise(0.3, 0.1, alternating=0.2, tilt=0.1).relatives() == []
