@@ -64,7 +64,7 @@ def _trimmed(text: str) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
-_SYMBOLS = (("^2", "²"), ("^3", "³"), ("e-", "e⁻"))
+_SYMBOLS = (("ln DN", "ln(DN)"), ("^2", "²"), ("^3", "³"), ("e-", "e⁻"))
 
 
 def symbol(unit: str) -> str:

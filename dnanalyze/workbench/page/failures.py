@@ -34,6 +34,10 @@ LEAST, MOST = 0.3, 300.0  # ends of the axis of errors
 COLOUR_STEPS = (1.0, 2.0, 4.0, 10.0, 30.0)  # |difference| in sigma at which the colour changes
 GOOD = 1.3  # error up to which a family is as close as a second sensor
 TALL = "clamp(204px, 22vh, 420px)"  # of families and statistics: the figure has the rest
+LOW = (  # of a low screen, so that the axes of the figure are on it
+    "@media (max-height:840px) { :host { max-height:154px; } .families { gap:0; } "
+    ".family { min-height:15px; padding:1px 4px; font-size:11px; line-height:1.2; } }"
+)
 LARGE = "@container (min-height:700px) { :host { max-height:40cqh; } }"  # of an enlarged pane
 NOTHING = 1e-9  # share of the larger of two numbers, below which the other is 0
 
@@ -304,7 +308,6 @@ def _place(row: Any) -> tuple[OperatingPoint, str]:
 def _looks(p: Palette) -> str:
     return f"""
 :host {{ overflow:auto; max-height:{TALL}; }}
-{LARGE}
 .pair {{ display:grid; grid-template-columns:minmax(284px, 2fr) minmax(0, 5fr); gap:10px;
   align-content:start; }}
 button {{ font:inherit; color:inherit; border:0; background:none; cursor:pointer; padding:0; }}
@@ -331,5 +334,8 @@ thead th span {{ white-space:nowrap; }}
 td {{ padding:0; min-width:22px; height:20px; }}
 .cell {{ width:100%; height:100%; min-height:20px; text-align:center; font-size:11px;
   border-radius:2px; font-variant-numeric:tabular-nums; }}
+@container (min-width:1200px) {{ table {{ width:auto; }} td {{ width:76px; }} }}
 .cell.chosen {{ box-shadow:0 0 0 2px {p.ink}; position:relative; z-index:1; }}
+{LOW}
+{LARGE}
 """
