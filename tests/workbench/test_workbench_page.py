@@ -352,6 +352,8 @@ def test_every_class_of_bokeh_that_the_style_sheets_name_is_on_the_page(bench):
     assert {"bk-btn", "bk-input", "noUi-handle"} < named
     assert [name for name in sorted(named) if not bench.page.locator(f".{name}").count()] == []
     assert _box(bench, ".parameter .noUi-handle")[2:] == (14, 14)
+    saves = bench.page.locator("button").filter(has=bench.page.get_by_text("CI targets"))
+    assert saves.bounding_box()["height"] <= 28  # as the choices beside it
 
 
 def test_a_question_mark_opens_the_sentence_of_the_glossary(bench):

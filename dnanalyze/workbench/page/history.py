@@ -26,6 +26,7 @@ from dnanalyze.workbench.session import WorkbenchSession
 from dnanalyze.workbench.worst import worst_view
 
 WRAP = {"flex-wrap": "wrap", "min-width": "0"}  # of a row of widgets on a narrow page
+LINK = ".bk-btn a { padding:0 !important; }"  # within a button that has its padding
 NONE = -1  # node that is compared with
 
 
@@ -75,7 +76,7 @@ class HistoryPane:
         ) -> pn.widgets.FileDownload:
             return pn.widgets.FileDownload(
                 callback=lambda: io.BytesIO(made(session).encode()), filename=filename,
-                label=label, width=width, stylesheets=style, margin=(0, 4, 0, 0),
+                label=label, width=width, stylesheets=[*style, LINK], margin=(0, 4, 0, 0),
                 button_type="default",
             )  # fmt: skip
 

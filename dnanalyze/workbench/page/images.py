@@ -156,7 +156,6 @@ class Images:
         made.axis.major_label_text_font_size = "9px"
         made.axis.ticker = BasicTicker(desired_num_ticks=4)
         made.xaxis.bounds, made.yaxis.bounds = (0, self.shape[1]), (0, self.shape[0])
-        made.outline_line_color = None  # square pixels leave room beside the sensor
         bar = ColorBar(
             color_mapper=mapper, width=8, padding=2, margin=0, bar_line_color=None,
             major_label_text_font_size="9px", major_label_text_color=p.ink,

@@ -120,7 +120,8 @@ class CurvePlot:
             colour = getattr(p, COLOURS[layer])
             made.line("x", "y", source=source, color=colour, line_width=1.4)
             made.scatter("x", "y", source=source, color=colour, size=3)
-        made.yaxis.ticker = BasicTicker(desired_num_ticks=3)
+        self._around = FixedTicker(ticks=ticks_around(5.0))  # a low figure has room for three
+        made.yaxis.ticker = made.ygrid.ticker = self._around
         self._below = _Axis(made, "x")
 
     def _show_residuals(
@@ -144,6 +145,7 @@ class CurvePlot:
         r = self.residuals.y_range
         if not 0.5 * r.end < reach <= r.end:  # a preview does not make the axis jump
             r.start, r.end = -reach, reach
+            self._around.ticks = ticks_around(reach)
         self._below.show(axes.log_x)
         if self.residuals.xaxis[0].axis_label != axes.x:
             self.residuals.xaxis.axis_label = axes.x
@@ -307,6 +309,20 @@ def _legible(
         if all(abs(places[i] - places[k]) > APART for k in kept):
             kept.append(i)
     return [text if i in kept else "" for i, text in enumerate(texts)]
+
+
+def ticks_around(reach: float) -> list[float]:
+    """Three ticks of an axis from ``-reach`` to ``reach``.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.plot import ticks_around
+    >>> ticks_around(5.0), ticks_around(46.0)
+    ([-5.0, 0.0, 5.0], [-20.0, 0.0, 20.0])
+    """
+    power = 10.0 ** np.floor(np.log10(reach))
+    tick = float(power * max(n for n in (1, 2, 5) if n * power <= reach))
+    return [-tick, 0.0, tick]
 
 
 def _ends(values: Any, log: bool) -> tuple[float, float]:
