@@ -95,7 +95,7 @@ def test_verdicts_name_the_effect_the_confidence_and_the_rival():
         (
             "missing",
             1,
-            ("Missing: column_fpn", "97 %", "beside the baseline effects", "6.5 to 1.1"),
+            ("Missing: column_fpn", "97 %", "in addition to the baseline effects", "6.5 to 1.1"),
         ),
         ("missing", 0, ("Missing: the baseline effects", "6.5 to 2.1", "no other")),
         ("unexplained", 0, ("Unexplained: with the baseline", "6.5 to 2.1", "another effect")),

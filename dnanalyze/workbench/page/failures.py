@@ -183,10 +183,16 @@ class Failures:
         text = (
             f"<h2>Where it fails {explained('family')} "
             f"<span style='font-weight:400;font-size:11px' class=quiet>"
-            f"<span style='color:{p.wang}'>▌</span>{html.escape(marked)}</span></h2>"
+            f"<span style='color:{p.wang}'>▌</span>{html.escape(marked)}{self._share()}</span></h2>"
         )
         if self.title.object != text:
             self.title.object = text
+
+    def _share(self) -> str:
+        """How many operating points are compared, where a design leaves some out."""
+        whole = len(self.context.session.captures.settings)
+        points = len({_place(r)[0] for r in self._rows()})
+        return f" · {points} of {whole} operating points" if points < whole else ""
 
     def _marked(self) -> tuple[str, Mapping[str, float]]:
         """Name and families' errors of the model that the marks show."""
@@ -216,7 +222,9 @@ class Failures:
 
     def _draw_cells(self) -> None:
         context, known = self.context, infos()
+        order = {s.point: n for n, s in enumerate(context.session.captures.settings)}
         points = list(dict.fromkeys(_place(r) for r in self._rows_of))
+        points.sort(key=lambda place: order.get(place[0], len(order)))
         made: dict[str, dict[str, Any]] = {}
         for r in self._rows_of:
             title = known[r["name"]].title
