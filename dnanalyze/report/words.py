@@ -400,7 +400,10 @@ DIRECT = "quantity", "at", "direct", "model", "unit", "difference"
 
 def level_words(level: Level) -> str:
     """How far the mean dark signal is off at its worst operating point."""
-    share = "" if level.relative is None else f"{number(100 * abs(level.relative), 2)} %, "
+    share = (
+        "" if level.relative is None
+        else f"{number(100 * abs(level.relative), 2)} % of the signal above the black level, "
+    )  # fmt: skip
     where = ", ".join(filter(None, (point_label(level.point), level.plane)))
     return (
         f"the {level.statistic} dark signal at {where} is off by "

@@ -44,8 +44,8 @@ def test_a_level_that_is_not_kept_is_in_the_headline():
     off = Level(False, at, "", -12.3, -0.031, 41.2)
     text = words.with_remarks("Adequate.", SimpleNamespace(level=off))
     assert text == (
-        "Adequate. The mean dark signal at −5 °C, 300 s is off by 12 DN (3.1 %, 41 standard "
-        "errors)."
+        "Adequate. The mean dark signal at −5 °C, 300 s is off by 12 DN (3.1 % of the signal "
+        "above the black level, 41 standard errors)."
     )
     bare = SimpleNamespace(level=replace(off, relative=None, plane="Gr"))
     assert "at −5 °C, 300 s, Gr is off by 12 DN (41 standard errors)" in words.with_remarks(
