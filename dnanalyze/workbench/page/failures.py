@@ -192,7 +192,7 @@ class Failures:
         """How many operating points are compared, where a design leaves some out."""
         whole = len(self.context.session.captures.settings)
         points = len({_place(r)[0] for r in self._rows()})
-        return f" · {points} of {whole} operating points" if points < whole else ""
+        return f" · {points} of {whole} operating points compared" if points < whole else ""
 
     def _marked(self) -> tuple[str, Mapping[str, float]]:
         """Name and families' errors of the model that the marks show."""

@@ -312,16 +312,16 @@ def _legible(
 
 
 def ticks_around(reach: float) -> list[float]:
-    """Three ticks of an axis from ``-reach`` to ``reach``.
+    """Three ticks of an axis from ``-reach`` to ``reach``, of one digit.
 
     Examples
     --------
     >>> from dnanalyze.workbench.page.plot import ticks_around
     >>> ticks_around(5.0), ticks_around(46.0)
-    ([-5.0, 0.0, 5.0], [-20.0, 0.0, 20.0])
+    ([-5.0, 0.0, 5.0], [-40.0, 0.0, 40.0])
     """
     power = 10.0 ** np.floor(np.log10(reach))
-    tick = float(power * max(n for n in (1, 2, 5) if n * power <= reach))
+    tick = float(power * np.floor(reach / power))
     return [-tick, 0.0, tick]
 
 
