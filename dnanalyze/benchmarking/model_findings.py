@@ -145,7 +145,7 @@ def _refined(
         comparison.model,
         problem=problem,
         on_progress=lambda effect: on_progress(f"trying {effect}"),
-        classifier=False,  # a seventh of the time; no figure here is of it
+        classifier=False,  # a seventh of the time, for the verdict alone
     )
     return errors | {"refined": result.steps[-1].error}, result
 

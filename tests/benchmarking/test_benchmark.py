@@ -307,7 +307,7 @@ def test_each_sensor_is_said_to_be_made_of_what_its_refinement_found(
     from dnanalyze.fitting.fit import fit_on
 
     def right(captures, model, problem, on_progress, classifier):
-        assert not classifier  # whose answer no figure is of
+        assert not classifier  # it takes long, and no figure is of its answer
         truth = sensors[captures.name]
         done = fit_on(captures, truth, problem=problem, replicates=0)
         return SimpleNamespace(
