@@ -86,7 +86,8 @@ def taken(folder: Path, into: Path, name: str) -> None:
         page.set_default_timeout(1000 * PATIENCE_S)
 
         def save(what: str) -> None:
-            page.screenshot(path=str(into / f"{name}-{what}.png"))
+            whole = what in ("added", "1440x900-dark")  # with the history, below the screen
+            page.screenshot(path=str(into / f"{name}-{what}.png"), full_page=whole)
 
         for theme in ("dark", "light"):
             page.goto(f"{address}?theme={theme}")

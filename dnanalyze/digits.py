@@ -64,7 +64,7 @@ def _trimmed(text: str) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
-_SYMBOLS = (("^2", "²"), ("^3", "³"), ("e-", "e⁻"))
+_SYMBOLS = (("ln DN", "ln(DN)"), ("^2", "²"), ("^3", "³"), ("e-", "e⁻"))
 
 
 def symbol(unit: str) -> str:
@@ -91,7 +91,8 @@ def with_error(value: Any, error: Any, unit: str = "") -> str:
     if not (is_number(value) and is_number(error)) or error <= 0:
         return number(value) + tail
     places = 1 - math.floor(math.log10(error))
-    value, error, decimals = round(value, places), round(error, places), max(0, places)
+    value = round(value, places) + 0.0  # never −0.0
+    error, decimals = round(error, places), max(0, places)
     if decimals > 6 or abs(value) >= 1e6:
         return f"{number(value, 4)} ± {number(error, 2)}{tail}"
     return f"{minus(f'{value:,.{decimals}f}')} ± {error:,.{decimals}f}{tail}"

@@ -92,16 +92,12 @@ def misfit(
     if side_by_side(info, measured, simulated, floor):
         there, model = (_or_none(info, *v) for v in ((measured, simulated), (simulated, measured)))
         return f"{info.title}: {there} measured, {model} in the model"
-    words = info.high if discrepancy > 0 else info.low
-    unit = unit_text(info.unit)
-    return (
-        words.format(
-            measured=f"{number(measured)}{unit}",
-            ratio=number(measured / simulated) if simulated else "",
-            difference=f"{number(abs(measured - simulated))}{unit}",
-        )
-        or info.title
-    )
+    if not np.isfinite(simulated):
+        return f"{info.title}: not determined in the frames of the model"
+    words, unit = info.high if discrepancy > 0 else info.low, unit_text(info.unit)
+    there, apart = (f"{number(x)}{unit}" for x in (measured, abs(measured - simulated)))
+    ratio = number(measured / simulated) if simulated else ""
+    return words.format(measured=there, ratio=ratio, difference=apart) or info.title
 
 
 def side_by_side(info: StatisticInfo, measured: float, simulated: float, floor: float) -> bool:

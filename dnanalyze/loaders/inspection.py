@@ -78,7 +78,7 @@ def missing(captures: CaptureSet) -> list[str]:
         )
     elif min(counts) == 1:
         said.append(
-            f"{counts.count(1)} of {len(counts)} operating points have a single frame: there, "
+            f"A single frame at {counts.count(1)} of {len(counts)} operating points: there, "
             "DSNU and temporal dark noise cannot be separated."
         )
     if 1 < max(counts) < _FEW_FRAMES:

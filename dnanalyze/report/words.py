@@ -305,10 +305,10 @@ def _timed_out(found: Diagnosis, others: Sequence[Candidate]) -> str:
 
 def _missing(found: Diagnosis, best: Candidate, baseline: str) -> str:
     """What is missing, the model error with it, what it does not explain, the confounders."""
-    beside, it = (f", beside {baseline}", "all of them") if baseline else ("", "it")
+    more, it = (f", in addition to {baseline}", "all of them") if baseline else ("", "it")
     text = (
         f"Missing: {naming(best.effect, best.confidence)}, with {percent(best.confidence)} "
-        f"confidence{beside}; with {it} {error_way(found.error, best.error_after)}"
+        f"confidence{more}; with {it} {error_way(found.error, best.error_after)}"
     )
     if found.unexplained:
         text += f"; it does not explain {statistics_named(found.unexplained)}"
@@ -389,7 +389,7 @@ def direct_rows(result: Fit | Diagnosis | Refinement | Comparison) -> list[tuple
             with_error(a.direct, a.error),
             number(a.model),
             symbol(a.unit),
-            f"{a.sigma:+.1f} σ" + ("" if a.kept else " (differs)"),
+            minus(f"{a.sigma:+.1f} σ") + ("" if a.kept else " (differs)"),
         )
         for a in getattr(result, "direct", [])
     ]
@@ -400,7 +400,10 @@ DIRECT = "quantity", "at", "direct", "model", "unit", "difference"
 
 def level_words(level: Level) -> str:
     """How far the mean dark signal is off at its worst operating point."""
-    share = "" if level.relative is None else f"{number(100 * abs(level.relative), 2)} %, "
+    share = (
+        "" if level.relative is None
+        else f"{number(100 * abs(level.relative), 2)} % of the signal above the black level, "
+    )  # fmt: skip
     where = ", ".join(filter(None, (point_label(level.point), level.plane)))
     return (
         f"the {level.statistic} dark signal at {where} is off by "

@@ -23,7 +23,7 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.evaluation import Evaluation, exact, judged
 
 KEPT = 4  # evaluations held, some 10 MB each at 5 operating points of 512 x 512
-REST_S = 0.6  # without a move, from which a slider rests, where the page has not said so
+GONE_S = 5.0  # without a move and without word of its rest: the page with the slider is closed
 LOOK_S = 0.05  # between two looks whether it does
 
 
@@ -113,7 +113,7 @@ class Measurements:
     @property
     def moving(self) -> bool:
         """Whether a slider moves: whatever else takes long waits for its rest."""
-        return time.monotonic() - self._moved_s < REST_S
+        return time.monotonic() - self._moved_s < GONE_S
 
     def close(self) -> None:
         """Compute no more yardsticks."""

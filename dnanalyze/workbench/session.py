@@ -204,7 +204,6 @@ class WorkbenchSession:
         """A model that was set by hand as a new node."""
         self._put(model, action)
         self.changed("history")
-        self._measurements.rested()
         self._measure()
 
     def _put(self, model: NoiseModel, action: str) -> None:
@@ -283,7 +282,11 @@ class WorkbenchSession:
             return made
 
     def _measure(self) -> None:
-        """The full error of the present node: at once, and by its own yardstick later."""
+        """The full error of the present node: at once, and by its own yardstick later.
+
+        It does not wait for a slider: what one began ends where another model is present.
+        """
+        self._measurements.rested()
         with self._evaluating:
             while True:
                 node = self.present

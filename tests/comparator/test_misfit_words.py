@@ -17,6 +17,12 @@ def test_no_template_stays_open(measured, simulated):
         assert "{" not in words, info.name
 
 
+def test_what_the_model_does_not_determine_is_neither_more_nor_less():
+    words = misfit(catalogue()["hot_halo"], -0.013, float("nan"), 6.0)
+    assert "not determined in the frames of the model" in words
+    assert "more" not in words
+
+
 def test_ratio_and_difference_are_said():
     known = catalogue()
     assert "is 2.5 times the model's" in misfit(known["temporal_noise"], 2.5, 1.0, 9.0)

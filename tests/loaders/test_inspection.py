@@ -60,7 +60,7 @@ A, B, C = "T20C_exp_1s__a", "T40C_exp_1s__b", "T20C_exp_0s__a"
         ([C], ["Bias frames only"], ["One exposure"]),
         (
             [C, "T40C_exp_1s__a", B],
-            ["1 of 2 operating points have a single frame"],
+            ["A single frame at 1 of 2 operating points"],
             ["One exposure", "One temperature"],
         ),
     ],

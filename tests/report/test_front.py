@@ -50,8 +50,11 @@ def measured(**by_point):
     return Statistics("sensor", Sensor((64, 64)), settings)
 
 
-def row(name, point, z, family="level"):
-    return {"name": name, "family": family, **vars(point), "plane": "", "discrepancy": z}
+def row(name, point, z, family="level", simulated=1.0):
+    return {
+        "name": name, "family": family, **vars(point), "plane": "", "discrepancy": z,
+        "simulated": simulated,
+    }  # fmt: skip
 
 
 def test_stripes_are_found_where_they_are_plain_and_said_in_words():
@@ -187,6 +190,8 @@ def test_figure_1_draws_every_layer_and_figure_2_every_temperature():
 def test_the_statistics_corrected_most_come_first():
     before = [row("a_1", POINTS[0], 50.0), row("a_2", POINTS[0], 40.0), row("b", POINTS[1], 5.0)]
     after = [row("a_1", POINTS[0], 1.0), row("a_2", POINTS[0], 1.0), row("b", POINTS[1], 6.0)]
+    before += [row("c", POINTS[0], 6.0, simulated=float("nan"))]  # the model has none
+    after += [row("c", POINTS[0], 1.0)]
     assert changed(before, after) == ["a_1"]
 
 

@@ -204,14 +204,14 @@ def test_a_parameter_stands_with_its_error_unit_and_operating_point():
     assert list(by_point.columns) == ["parameter", "unit", "25 °C", "65 °C"]
     assert by_point.rows[0] == (
         "convolved_lognormal.mu",
-        "ln DN",
+        "ln(DN)",
         "1",
         "2.50 ± 0.10",
     )
     rows = {row[0]: row[1:] for row in fixed.rows}
     assert rows["pedestal"][:2] == ("1.5", "DN")
     assert rows["pedestal"][2] == "25 °C; activation energy 0.650 ± 0.020 eV"
-    assert rows["convolved_lognormal.delta"][:3] == ("0.5", "ln DN", "all")
+    assert rows["convolved_lognormal.delta"][:3] == ("0.5", "ln(DN)", "all")
     assert rows["gain"][:2] == (
         "2.00 ± 0.10",
         "DN/e⁻",
@@ -223,7 +223,7 @@ def test_many_operating_points_stand_one_below_the_other():
     effect = ConvolvedLognormal(mu=TableLaw(points, tuple(map(float, range(8)))))
     table = model_section(NoiseModel((effect,), 64.0)).tables[0]
     assert table.folded
-    assert table.rows[3] == ("convolved_lognormal.mu", "ln DN", "3 °C", "3")
+    assert table.rows[3] == ("convolved_lognormal.mu", "ln(DN)", "3 °C", "3")
 
 
 def test_a_page_without_a_model_has_no_section_of_it():

@@ -44,8 +44,8 @@ def test_a_level_that_is_not_kept_is_in_the_headline():
     off = Level(False, at, "", -12.3, -0.031, 41.2)
     text = words.with_remarks("Adequate.", SimpleNamespace(level=off))
     assert text == (
-        "Adequate. The mean dark signal at −5 °C, 300 s is off by 12 DN (3.1 %, 41 standard "
-        "errors)."
+        "Adequate. The mean dark signal at −5 °C, 300 s is off by 12 DN (3.1 % of the signal "
+        "above the black level, 41 standard errors)."
     )
     bare = SimpleNamespace(level=replace(off, relative=None, plane="Gr"))
     assert "at −5 °C, 300 s, Gr is off by 12 DN (41 standard errors)" in words.with_remarks(
@@ -95,7 +95,7 @@ def test_verdicts_name_the_effect_the_confidence_and_the_rival():
         (
             "missing",
             1,
-            ("Missing: column_fpn", "97 %", "beside the baseline effects", "6.5 to 1.1"),
+            ("Missing: column_fpn", "97 %", "in addition to the baseline effects", "6.5 to 1.1"),
         ),
         ("missing", 0, ("Missing: the baseline effects", "6.5 to 2.1", "no other")),
         ("unexplained", 0, ("Unexplained: with the baseline", "6.5 to 2.1", "another effect")),

@@ -62,7 +62,10 @@ def test_a_slider_that_rests_lets_a_simulation_begin_at_once(problem, fitted):
     assert measurements.now(fitted).error == judged(problem, fitted).error
 
 
-def test_a_simulation_ends_where_a_slider_has_just_moved(problem, fitted):
+def test_a_simulation_ends_where_a_slider_moves_until_its_page_is_gone(
+    problem, fitted, monkeypatch
+):
+    monkeypatch.setattr("dnanalyze.workbench.measuring.GONE_S", 0.3)
     measurements = made(problem)
     measurements.moved()
     with pytest.raises(Superseded):

@@ -31,3 +31,18 @@ def test_a_slider_that_has_moved_on_keeps_its_move_when_its_last_one_is_adopted(
     session.present.model = other  # an undo, or a fit that has ended
     pane.update("history")
     assert context.draft is None
+
+
+def test_a_slider_rests_when_the_browser_has_drawn_its_last_move():
+    from dnanalyze.workbench.page.rest import Rest
+
+    rests = []
+    rest = Rest(lambda: rests.append(rest.drawn))
+    rest.move()
+    rest.draw()
+    rest.move()  # before the browser answers
+    rest._handle_msg(1)
+    assert rests == []
+    rest.draw()
+    rest._handle_msg(2)
+    assert rests == [2]

@@ -41,6 +41,13 @@ def test_a_move_of_a_slider_changes_the_data_of_one_curve_alone(plot, axes, labe
     assert [e.model.name for e in events] == ["curve of present model"]
 
 
+def test_the_error_bars_over_operating_points_are_within_the_figure(plot):
+    plot.show(POINTS, LABELS, {"measured": curve(1.0)}, "points")
+    y = plot.figure.y_range
+    assert y.start < 0.9 * X[0]
+    assert y.end > 1.1 * X[-1]
+
+
 def test_axes_change_with_the_statistic_and_come_back(plot):
     def axes():
         x, y = plot.figure.xaxis[0], plot.figure.yaxis[0]

@@ -291,12 +291,24 @@ def test_pixels_are_square_in_an_enlarged_pane_and_after_it(bench, size):
                 assert y + height <= size[1]
 
 
-def test_frames_and_failures_are_seen_whole_on_a_page_of_900_pixels(bench):
+@pytest.mark.parametrize("height", [780, 900])
+def test_frames_and_failures_are_seen_whole_on_the_screen(bench, height):
+    """And the lowest axis of the open figure, below its residuals."""
     pane = "[...Bokeh.index.roots][0].child_views[2].el.getBoundingClientRect()"
-    bench.until(
-        lambda: 700 < bench.page.evaluate(f"() => scrollY + {pane}.bottom") <= 900,
-        "the lower panes",
-    )
+    _open(bench, "Distribution")
+    bench.page.set_viewport_size({"width": 1440, "height": height})
+    try:
+        bench.until(
+            lambda: height - 200 < bench.page.evaluate(f"() => scrollY + {pane}.bottom") <= height,
+            "the lower panes",
+        )
+        lowest = bench.page.locator(".curve-residuals")
+        bench.until(lambda: lowest.bounding_box()["height"] > 60, "the residuals")
+        box = lowest.bounding_box()
+        assert box["y"] + box["height"] <= height
+        assert _box(bench, ".curve")[3] > 90
+    finally:
+        bench.page.set_viewport_size({"width": 1440, "height": 900})
 
 
 def test_the_panes_take_the_height_that_a_long_verdict_leaves(bench):
@@ -340,6 +352,8 @@ def test_every_class_of_bokeh_that_the_style_sheets_name_is_on_the_page(bench):
     assert {"bk-btn", "bk-input", "noUi-handle"} < named
     assert [name for name in sorted(named) if not bench.page.locator(f".{name}").count()] == []
     assert _box(bench, ".parameter .noUi-handle")[2:] == (14, 14)
+    saves = bench.page.locator("button").filter(has=bench.page.get_by_text("CI targets"))
+    assert saves.bounding_box()["height"] <= 28  # as the choices beside it
 
 
 def test_a_question_mark_opens_the_sentence_of_the_glossary(bench):
@@ -416,6 +430,32 @@ def test_a_slider_moves_the_error_and_undo_takes_it_back(bench):
     bench.until(previewed, "a preview")
     bench.until(lambda: re.fullmatch(r"[\d.]+", bench.error), "the full error")
     assert bench.settled() != before
+    bench.click("Undo")
+    bench.until(lambda: bench.error == f"{before:.3g}", "the error before")
+
+
+def test_a_slider_does_not_rest_before_the_browser_has_drawn_its_move(bench):
+    before, nodes = bench.settled(), bench.page.locator("option").filter(has_text="set ")
+    bench.page.evaluate(
+        """() => {
+        window.held = [];
+        window.drawn = window.requestAnimationFrame;
+        window.requestAnimationFrame = (call) => window.held.push(call);
+    }"""
+    )
+    count = nodes.count()
+    bench.move_a_slider()
+    bench.until(lambda: bench.error.startswith("≈"), "a preview")
+    bench.page.wait_for_timeout(1500)
+    assert (bench.error[0], nodes.count()) == ("≈", count)
+    bench.page.evaluate(
+        """() => {
+        window.requestAnimationFrame = window.drawn;
+        window.held.forEach((call) => window.drawn.call(window, call));
+    }"""
+    )
+    bench.until(lambda: nodes.count() > count, "a step of the history")
+    bench.settled()
     bench.click("Undo")
     bench.until(lambda: bench.error == f"{before:.3g}", "the error before")
 

@@ -22,7 +22,12 @@ from dnanalyze.analyzers.plan import CLIP
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 
 VARIANCE_LEVELS = ("0.5", "0.9", "0.99", "0.999")
-GROUPS = {"50": (0.0, 0.5), "90": (0.9, 0.99), "99": (0.99, 0.999), "999": (0.999, 1.0)}
+GROUPS = {  # of pixels by their value in the mean frame: quantiles, and in words
+    "50": (0.0, 0.5, "darker half of the pixels"),
+    "90": (0.9, 0.99, "pixels from the 90 to the 99 % quantile of the mean frame"),
+    "99": (0.99, 0.999, "pixels from the 99 to the 99.9 % quantile of the mean frame"),
+    "999": (0.999, 1.0, "brightest 0.1 % of the pixels"),
+}
 CUTS = np.array([0.5, 0.9, 0.99, 0.999])
 FEWEST = 8.0  # pixels in a group for it to be stated
 END_SCATTERS = 3.0  # ends of r1, times its scatter 1 / sqrt(frames)
@@ -61,12 +66,10 @@ INFOS = (
             f"noise_at_{name}", "time", "DN^2",
             f"temporal variance, {100 * low:g} to {100 * high:g} % quantile of the mean frame",
             Scale.LOG,
-            high=f"the temporal variance of the pixels from the {100 * low:g} to the "
-            f"{100 * high:g} % quantile of the mean frame is {{ratio}} times the model's",
-            low=f"the temporal variance of the pixels from the {100 * low:g} to the "
-            f"{100 * high:g} % quantile of the mean frame is only {{ratio}} times the model's",
+            high=f"in the {part} the temporal variance is {{ratio}} times the model's",
+            low=f"in the {part} the temporal variance is only {{ratio}} times the model's",
         )
-        for name, (low, high) in GROUPS.items()
+        for name, (low, high, part) in GROUPS.items()
     ),
     StatisticInfo(
         "pattern_correlation", "time", "1", "correlation of successive frames",

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.digits import is_number
 from dnanalyze.report.figures.over_operating_points import draw_statistic, tells
 from dnanalyze.report.figures.style import (
     GAUSSIAN,
@@ -28,10 +29,14 @@ Rows = Sequence[Mapping[str, Any]]
 
 
 def largest(rows: Rows) -> dict[str, float]:
-    """Largest deviation of each statistic over the operating points, standard deviations."""
+    """Largest deviation of each statistic over the operating points, standard deviations.
+
+    One that the model does not determine states no deviation.
+    """
     found: dict[str, float] = defaultdict(float)
     for row in rows:
-        found[row["name"]] = max(found[row["name"]], abs(row["discrepancy"]))
+        if is_number(row["simulated"]):
+            found[row["name"]] = max(found[row["name"]], abs(row["discrepancy"]))
     return dict(found)
 
 

@@ -146,7 +146,7 @@ def field_row(found: Fields | None) -> Picture | None:
         made.append(_panel("difference", left, (-half, half), LEFT, (size[0], size[1]), count))
         more = (
             f" Difference: measured − {last}. The model draws another sensor of the same design: "
-            "single pixels differ, and stripes, gradients and spots count."
+            "compare stripes, gradients and spots, not single pixels."
         )
     return panels(
         made,

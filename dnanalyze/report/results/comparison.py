@@ -101,7 +101,7 @@ def page(
         ],
         tone=tone_of(result.error),
         points=[
-            headline(result),
+            *filter(None, [words.with_remarks("", result).strip()]),  # the errors stand above
             *(s for s in map(sentence, result.failures) if s not in lead),
             *law_doubts(result.measured),
         ],

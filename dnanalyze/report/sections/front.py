@@ -241,10 +241,13 @@ def direct_front(result: Comparison | Diagnosis | Refinement) -> list[Section]:
     text = f"{len(every) - off} of {len(every)} {agree} within 3 σ or 10 %."
     order = sorted(range(len(every)), key=lambda n: (every[n].kept, -abs(every[n].sigma)))
     rows = [direct_rows(result)[n] for n in order[:DIRECT_ROWS]]
+    columns: tuple[str, ...] = ("quantity", *DIRECT[1:])
+    if not any(row[1] for row in rows):  # of the whole sensor
+        columns, rows = columns[:1] + columns[2:], [row[:1] + row[2:] for row in rows]
     return [
         Section(
             "direct-first", "Model against direct measurement", text=[text],
-            tables=[Table(("quantity", *DIRECT[1:]), rows, words=2, narrow=True)], half=True,
+            tables=[Table(columns, rows, words=columns.index("direct"), narrow=True)], half=True,
         )
     ]  # fmt: skip
 

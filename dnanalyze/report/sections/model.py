@@ -133,7 +133,7 @@ def direct_section(result: Fit | Diagnosis | Refinement) -> list[Section]:
     rows = direct_rows(result)
     if not rows:
         return []
-    text = "A difference within 3 standard errors or 10 % is none."
+    text = "Differences within 3 standard errors or 10 % count as agreement."
     made = Table(("direct measurement", *DIRECT[1:]), rows, words=2, note=text)
     return [Section("direct", "Model and direct measurement", tables=[made])]
 

@@ -169,10 +169,10 @@ class TopBar:
             pn.pane.HTML(
                 f"<b style='font-size:15px'>dnanalyze</b> &nbsp;<b>{where}</b> "
                 f"<span class=quiet>{facts}</span>",
-                stylesheets=style, margin=(6, 20, 0, 4), styles={"white-space": "nowrap"},
+                stylesheets=style, margin=(3, 20, 0, 4), styles={"white-space": "nowrap"},
             ),
             pn.layout.HSpacer(),
-            pn.pane.HTML(link, stylesheets=style, margin=(8, 4, 0, 0)),
+            pn.pane.HTML(link, stylesheets=style, margin=(5, 4, 0, 0)),
             Address(query=query, width=1, height=1, margin=0),
             OneLayout(width=1, height=1, margin=0),
             sizing_mode="stretch_width", margin=0,

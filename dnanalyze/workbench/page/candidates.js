@@ -37,7 +37,10 @@ export function render({ model, el }) {
       }
       const bar = document.createElement("div");
       bar.className = "bar";
-      bar.style.width = `${Math.round(100 * c.explained)}%`;
+      const explained = Math.round(100 * c.explained);
+      bar.title = `explains ${explained} % of the model error above 1`;
+      bar.append(document.createElement("span"));
+      bar.firstChild.style.width = `${explained}%`;
       row.append(head, bar, text("div", c.evidence, "evidence"));
       row.onmouseenter = () => model.send_msg({ hover: c.effect });
       row.onmouseleave = () => model.send_msg({ hover: "" });

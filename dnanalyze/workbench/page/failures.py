@@ -34,6 +34,10 @@ LEAST, MOST = 0.3, 300.0  # ends of the axis of errors
 COLOUR_STEPS = (1.0, 2.0, 4.0, 10.0, 30.0)  # |difference| in sigma at which the colour changes
 GOOD = 1.3  # error up to which a family is as close as a second sensor
 TALL = "clamp(204px, 22vh, 420px)"  # of families and statistics: the figure has the rest
+LOW = (  # of a low screen, so that the axes of the figure are on it
+    "@media (max-height:840px) { :host { max-height:154px; } .families { gap:0; } "
+    ".family { min-height:15px; padding:1px 4px; font-size:11px; line-height:1.2; } }"
+)
 LARGE = "@container (min-height:700px) { :host { max-height:40cqh; } }"  # of an enlarged pane
 NOTHING = 1e-9  # share of the larger of two numbers, below which the other is 0
 
@@ -179,10 +183,16 @@ class Failures:
         text = (
             f"<h2>Where it fails {explained('family')} "
             f"<span style='font-weight:400;font-size:11px' class=quiet>"
-            f"<span style='color:{p.wang}'>▌</span>{html.escape(marked)}</span></h2>"
+            f"<span style='color:{p.wang}'>▌</span>{html.escape(marked)}{self._share()}</span></h2>"
         )
         if self.title.object != text:
             self.title.object = text
+
+    def _share(self) -> str:
+        """How many operating points are compared, where a design leaves some out."""
+        whole = len(self.context.session.captures.settings)
+        points = len({_place(r)[0] for r in self._rows()})
+        return f" · {points} of {whole} operating points compared" if points < whole else ""
 
     def _marked(self) -> tuple[str, Mapping[str, float]]:
         """Name and families' errors of the model that the marks show."""
@@ -212,7 +222,9 @@ class Failures:
 
     def _draw_cells(self) -> None:
         context, known = self.context, infos()
+        order = {s.point: n for n, s in enumerate(context.session.captures.settings)}
         points = list(dict.fromkeys(_place(r) for r in self._rows_of))
+        points.sort(key=lambda place: order.get(place[0], len(order)))
         made: dict[str, dict[str, Any]] = {}
         for r in self._rows_of:
             title = known[r["name"]].title
@@ -304,7 +316,6 @@ def _place(row: Any) -> tuple[OperatingPoint, str]:
 def _looks(p: Palette) -> str:
     return f"""
 :host {{ overflow:auto; max-height:{TALL}; }}
-{LARGE}
 .pair {{ display:grid; grid-template-columns:minmax(284px, 2fr) minmax(0, 5fr); gap:10px;
   align-content:start; }}
 button {{ font:inherit; color:inherit; border:0; background:none; cursor:pointer; padding:0; }}
@@ -331,5 +342,8 @@ thead th span {{ white-space:nowrap; }}
 td {{ padding:0; min-width:22px; height:20px; }}
 .cell {{ width:100%; height:100%; min-height:20px; text-align:center; font-size:11px;
   border-radius:2px; font-variant-numeric:tabular-nums; }}
+@container (min-width:1200px) {{ table {{ width:auto; }} td {{ width:76px; }} }}
 .cell.chosen {{ box-shadow:0 0 0 2px {p.ink}; position:relative; z-index:1; }}
+{LOW}
+{LARGE}
 """

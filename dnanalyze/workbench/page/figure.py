@@ -46,7 +46,7 @@ class CurveFigure:
                 *downloads("statistic", self._table, self._drawn, style, "the curves shown"),
                 margin=(4, 0, 0, 0), sizing_mode="stretch_width",
             ),
-            pn.pane.Bokeh(self.plot.figure, sizing_mode="stretch_both", margin=0, min_height=150),
+            pn.pane.Bokeh(self.plot.figure, sizing_mode="stretch_both", margin=0, min_height=104),
             pn.pane.Bokeh(self.plot.residuals, sizing_mode="stretch_width", margin=0),
             sizing_mode="stretch_both",
             margin=0,
@@ -119,6 +119,9 @@ def layers(context: Context) -> dict[str, tuple[Statistics, curves.Change | None
         "present model": context.shown,
         "candidate": context.candidate[1] if context.candidate else None,
     }
+    wang, present = session.baseline, context.shown
+    if wang is not None and present is not None and wang.model == present.model:
+        del models["Wang 2025 model"]  # its line would lie below the present one
     found = {k: (e.simulated, e.change) for k, e in models.items() if e is not None}
     return {"measured": (session.problem.measured[1], None), **found}
 

@@ -25,7 +25,9 @@ from dnanalyze.workbench.page.style import Palette, card, inner
 from dnanalyze.workbench.session import WorkbenchSession
 from dnanalyze.workbench.worst import worst_view
 
-WRAP = {"flex-wrap": "wrap", "min-width": "0"}  # of a row of widgets on a narrow page
+# Of a row of widgets on a narrow page
+WRAP = {"flex-wrap": "wrap", "min-width": "0", "align-items": "center"}
+LINK = ".bk-btn a { padding:0 !important; }"  # within a button that has its padding
 NONE = -1  # node that is compared with
 
 
@@ -75,7 +77,7 @@ class HistoryPane:
         ) -> pn.widgets.FileDownload:
             return pn.widgets.FileDownload(
                 callback=lambda: io.BytesIO(made(session).encode()), filename=filename,
-                label=label, width=width, stylesheets=style, margin=(0, 4, 0, 0),
+                label=label, width=width, stylesheets=[*style, LINK], margin=(0, 4, 0, 0),
                 button_type="default",
             )  # fmt: skip
 

@@ -37,6 +37,7 @@ if (flat === undefined || image === undefined) return "–";
 const found = image[flat];
 return Number.isFinite(found) ? found.toPrecision(5) + " DN" : "–";
 """
+REPAINT = "setTimeout(() => cb_obj.change.emit(), 50);"  # Bokeh sets a text after it has painted
 SQUARE = """
 const {inner_width: width, inner_height: height} = figure;
 if (!(width > 0 && height > 0)) return;
@@ -148,11 +149,13 @@ class Images:
         made.title.text_font_size = "12px"
         made.title.text_color = p.ink
         made.title.text_font_style = "normal"
+        made.title.js_on_change("text", CustomJS(code=REPAINT))
         image = made.image("image", source=self.sources[name], x="x", y="y", dw="dw", dh="dh",
                            color_mapper=mapper)  # fmt: skip
         made.grid.visible = False
         made.axis.major_label_text_font_size = "9px"
         made.axis.ticker = BasicTicker(desired_num_ticks=4)
+        made.xaxis.bounds, made.yaxis.bounds = (0, self.shape[1]), (0, self.shape[0])
         bar = ColorBar(
             color_mapper=mapper, width=8, padding=2, margin=0, bar_line_color=None,
             major_label_text_font_size="9px", major_label_text_color=p.ink,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -134,6 +135,7 @@ class Missing:
             return
         self._models = {c["effect"]: c["model"] for c in found["candidates"] if c["model"]}
         present = set(self.context.session.present.model.names)
+        shown = found["candidates"][:MAX_CANDIDATES]
         self.list.rows = [
             {
                 "effect": c["effect"],
@@ -141,10 +143,10 @@ class Missing:
                 "confidence": percent(c["confidence"]) if found["finished"] else "…",
                 "error": number(c["error_after"]),
                 "explained": max(0.0, min(1.0, c["explained"])),
-                "evidence": _evidence(c),
+                "evidence": text,
                 "can_add": c["effect"] not in present,
             }
-            for c in found["candidates"][:MAX_CANDIDATES]
+            for c, text in zip(shown, evidence(shown), strict=True)
         ]
         self._aged()
         if not found["finished"]:
@@ -225,14 +227,25 @@ class Missing:
         self._latest.ask(work, show, lambda error: session.tell(str(error)))
 
 
-def _evidence(candidate: Any) -> str:
-    """Its most telling evidence, and what it is confounded with."""
-    text = candidate["evidence"][0] if candidate["evidence"] else ""
-    text = unbroken(re.sub(rf"\b{candidate['effect']}\b", in_words(candidate["effect"]), text))
-    others = ", ".join(map(in_words, candidate["confused_with"]))
-    return (
-        f"{text}{' · ' if text and others else ''}{f'confounded with {others}' if others else ''}"
-    )
+def evidence(candidates: Sequence[Any]) -> list[str]:
+    """The most telling evidence of each candidate, and what it is confounded with.
+
+    Effects that every sensor has are added together, and the same statistic tells of them: it is
+    stated of the first.
+    """
+    said: dict[str, str] = {}
+    texts = []
+    for c in candidates:
+        name, first = in_words(c["effect"]), c["evidence"][0] if c["evidence"] else ""
+        text = unbroken(re.sub(rf"\b{c['effect']}\b", name, first))
+        misfit = text.partition("; with ")[0]
+        if misfit in said:
+            text = f"evidence as for {said[misfit]}"
+        elif misfit:
+            said[misfit] = name
+        others = ", ".join(map(in_words, c["confused_with"]))
+        texts.append(" · ".join(t for t in (text, others and f"confounded with {others}") if t))
+    return texts
 
 
 def _details(title: str, rows: list[str]) -> str:
@@ -251,7 +264,8 @@ def _rows(p: Palette) -> str:
 .name {{ font-weight:650; text-align:left; }}
 .number {{ font-variant-numeric:tabular-nums; color:{p.quiet}; }}
 .head button {{ justify-self:end; }}
-.bar {{ height:3px; background:{p.candidate}; margin:2px 0; }}
+.bar {{ height:4px; background:{p.line}; margin:2px 0; border-radius:2px; }}
+.bar span {{ display:block; height:100%; background:{p.candidate}; border-radius:2px; }}
 .evidence {{ color:{p.quiet}; font-size:11px; }}
 button {{ font:inherit; border:1px solid {p.line}; border-radius:4px; background:{p.present};
   color:{p.card}; padding:0 10px; cursor:pointer; }}

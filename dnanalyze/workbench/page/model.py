@@ -11,11 +11,11 @@ from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.enlarge import enlarger
 from dnanalyze.workbench.page.parameters import ParameterRow, TableRow, heading
+from dnanalyze.workbench.page.rest import Rest
 from dnanalyze.workbench.page.style import card, inner
 from dnanalyze.workbench.page.terms import plain_name
 from dnanalyze.workbench.sliders import Slider
 
-REST_S = 0.3  # without a move after a preview is drawn, after which the full error is computed
 TABLE = 4  # numbers of one parameter from which they share a plot and a slider
 
 
@@ -30,7 +30,7 @@ class Model:
         self._adopted: NoiseModel | None = None
         self._moved = ""
         self._failing = False
-        self._resting: Any = None
+        self.rest = Rest(self._rested)
         self._rows: dict[str, ParameterRow] = {}
         self._tables: dict[str, TableRow] = {}
         button = {"stylesheets": self.style, "margin": 0}
@@ -61,7 +61,7 @@ class Model:
             pn.Row(
                 pn.pane.HTML("<h2>Model</h2>", stylesheets=self.style, margin=(3, 6, 0, 0)),
                 self.fit, self.errors, pn.layout.HSpacer(), self.add_name, self.add,
-                enlarger(self.view, self.style),
+                enlarger(self.view, self.style), self.rest,
                 margin=0, sizing_mode="stretch_width",
             ),
             self.loading, self.list,
@@ -179,20 +179,10 @@ class Model:
         session, context = self.context.session, self.context
         model = session.with_value(name, value, self.context.draft)
         session.moved()
+        self.rest.move()
         self.context.draft, self._moved = model, name
         context.latest.ask(
             lambda: session.preview(model), self._show, lambda error: self._failed(model, error)
-        )  # fmt: skip
-        self._wait(None)
-
-    def _wait(self, seconds: float | None) -> None:
-        """Begin the wait for the slider's rest anew; None: after the next preview."""
-        document = self.context.document
-        if self._resting is not None:
-            document.remove_timeout_callback(self._resting)
-        self._resting = (
-            None if seconds is None
-            else document.add_timeout_callback(self._rested, int(1000 * seconds))
         )  # fmt: skip
 
     def _show(self, found: Any) -> None:
@@ -202,9 +192,10 @@ class Model:
             self._failing = False
             self.context.session.tell("")
         self.context.shown = found
-        self.context.tell("preview")
-        if found.model == self.context.draft:
-            self._wait(REST_S)
+        with self.context.combined():  # the browser tells of the rest after what it draws
+            self.context.tell("preview")
+            if found.model == self.context.draft:
+                self.rest.draw()
 
     def _failed(self, model: NoiseModel, error: Exception) -> None:
         """Say why a model has no preview, and go back to the last one that has."""
@@ -215,12 +206,11 @@ class Model:
         shown = self.context.shown
         if shown is not None and shown.preview:
             self.context.draft = shown.model
-            self._wait(REST_S)
+            self.rest.draw()
         else:
             self._draw()
 
     def _rested(self) -> None:
-        self._resting = None
         self._adopted = model = self.context.draft
         name = self._moved
         if model is not None:

@@ -187,10 +187,13 @@ class TableRow:
             y_axis_type="log" if parameter.log and positive else "linear",
             x_range=(-0.5, len(sliders) - 0.5),
         )  # fmt: skip
-        made.line("x", "y", source=self._source, color=p.present, line_width=1.4)
+        made.line(
+            "x", "y", source=self._source, color=p.present, line_width=1.4,
+            nonselection_line_alpha=0.6,
+        )  # fmt: skip
         dots = made.scatter(
             "x", "y", source=self._source, color=p.present, size=8,
-            nonselection_fill_alpha=0.35, nonselection_line_alpha=0.35,
+            nonselection_fill_alpha=0.5, nonselection_line_alpha=0.5,
         )  # fmt: skip
         made.add_tools(hover(p, [dots], ("", "@where"), (parameter.parameter, "@text")))
         made.select_one(TapTool).renderers = [dots]
@@ -203,7 +206,7 @@ class TableRow:
         made.xaxis.major_label_overrides = {i: place(s.label) for i, s in enumerate(self._sliders)}
         self.row = ParameterRow(sliders[0], style, move, pin, of_point=True)
         self.view = pn.Column(
-            heading(sliders, style, "; a click on a dot chooses one"),
+            heading(sliders, style, "; click a dot to choose one"),
             pn.pane.Bokeh(made, margin=0, sizing_mode="stretch_width"),
             self.row.view, margin=0, sizing_mode="stretch_width",
         )  # fmt: skip

@@ -92,7 +92,7 @@ class CurvePlot:
         for annotation in (*self._spans, self._box):
             made.add_layout(annotation)
         made.text("x", "y", "text", source=self._marks, text_color=p.quiet, angle=np.pi / 2,
-                  text_font_size="10px", text_align="right", x_offset=-2, y_offset=4)  # fmt: skip
+                  text_font_size="10px", text_align="right", x_offset=11, y_offset=4)  # fmt: skip
         self._hover = hover(p, list(self._lines.values()), ("", "$name"), mode="mouse")
         made.add_tools(self._hover)
         _legend(made, p)
@@ -108,9 +108,9 @@ class CurvePlot:
             for layer in LAYERS[1:]
         }
         self.residuals = made = plain_figure(
-            p, sizing_mode="stretch_width", height=96, tools="", x_range=self.figure.x_range,
-            y_range=Range1d(-5, 5), x_axis_label=" ", y_axis_label="off by [σ]",
-            name=f"{name} residuals", min_border_left=LEFT,
+            p, sizing_mode="stretch_width", height=76, tools="", x_range=self.figure.x_range,
+            y_range=Range1d(-5, 5), x_axis_label=" ", y_axis_label="Δ [σ]",
+            name=f"{name} residuals", min_border_left=LEFT, css_classes=[f"{name}-residuals"],
         )  # fmt: skip
         self.figure.min_border_left = LEFT
         made.add_layout(
@@ -120,7 +120,8 @@ class CurvePlot:
             colour = getattr(p, COLOURS[layer])
             made.line("x", "y", source=source, color=colour, line_width=1.4)
             made.scatter("x", "y", source=source, color=colour, size=3)
-        made.yaxis.ticker = BasicTicker(desired_num_ticks=3)
+        self._around = FixedTicker(ticks=ticks_around(5.0))  # a low figure has room for three
+        made.yaxis.ticker = made.ygrid.ticker = self._around
         self._below = _Axis(made, "x")
 
     def _show_residuals(
@@ -144,6 +145,7 @@ class CurvePlot:
         r = self.residuals.y_range
         if not 0.5 * r.end < reach <= r.end:  # a preview does not make the axis jump
             r.start, r.end = -reach, reach
+            self._around.ticks = ticks_around(reach)
         self._below.show(axes.log_x)
         if self.residuals.xaxis[0].axis_label != axes.x:
             self.residuals.xaxis.axis_label = axes.x
@@ -188,7 +190,7 @@ class CurvePlot:
             data = dict(EMPTY) if c is None else {k: getattr(c, k) for k in EMPTY}
             if not _same(source.data, data):  # a preview changes one layer: the others stay drawn
                 source.data = data
-        self._limit(axes, list(curves.values()), len(labels), fresh)
+        self._limit(axes, curves, len(labels), fresh)
         self._show_residuals(axes, named, curves)
         for shown, glyphs in ((not labels, [self._band]), (bool(labels), self._dots)):
             for glyph in glyphs:
@@ -209,10 +211,13 @@ class CurvePlot:
             self._box.left, self._box.right = band
         self._box.visible = band is not None
 
-    def _limit(self, axes: Axes, curves: Sequence[Curve], places: int, fresh: bool) -> None:
-        """Ranges that show the curves whole, and the errors of the measured one."""
+    def _limit(self, axes: Axes, shown: Mapping[str, Curve], places: int, fresh: bool) -> None:
+        """Ranges that show the curves whole, and the error bars of the measured one."""
+        curves = list(shown.values())
         x = [(-0.5, places - 0.5)] if places else [_ends(c.x, axes.log_x) for c in curves]
         y = [_ends(c.y, axes.log_y) for c in curves]
+        if places and "measured" in shown:  # its error bars; a band may reach down to nothing
+            y.append(_ends((shown["measured"].low, shown["measured"].high), axes.log_y))
         whole = [_wide(x, axes.log_x, 0.0 if places else MARGIN), _wide(y, axes.log_y, MARGIN)]
         ranges = self.figure.x_range, self.figure.y_range
         zoomed = not fresh and any(
@@ -304,6 +309,20 @@ def _legible(
         if all(abs(places[i] - places[k]) > APART for k in kept):
             kept.append(i)
     return [text if i in kept else "" for i, text in enumerate(texts)]
+
+
+def ticks_around(reach: float) -> list[float]:
+    """Three ticks of an axis from ``-reach`` to ``reach``, of one digit.
+
+    Examples
+    --------
+    >>> from dnanalyze.workbench.page.plot import ticks_around
+    >>> ticks_around(5.0), ticks_around(46.0)
+    ([-5.0, 0.0, 5.0], [-40.0, 0.0, 40.0])
+    """
+    power = 10.0 ** np.floor(np.log10(reach))
+    tick = float(power * np.floor(reach / power))
+    return [-tick, 0.0, tick]
 
 
 def _ends(values: Any, log: bool) -> tuple[float, float]:

@@ -79,10 +79,10 @@ class Sensor:
                 pn.pane.HTML("<h2>Frames</h2>", stylesheets=style, margin=(3, 6, 0, 0)),
                 self.point, self.kind, self.frame, self.plane, self.mode, self.swipe,
                 self.colours, self.low, self.high, self.auto, self.hot,
-                self.marks, pn.layout.HSpacer(),
+                self.marks,
                 pn.Row(
                     *downloads("frames", self._table, self._picture, style, "the images"),
-                    enlarger(self.view, style), margin=0,
+                    enlarger(self.view, style), margin=0, styles={"margin-left": "auto"},
                 ),
                 margin=(0, 0, 4, 0), sizing_mode="stretch_width",
                 styles={"flex-wrap": "wrap", "row-gap": "3px", "min-width": "0"},

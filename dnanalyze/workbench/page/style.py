@@ -61,13 +61,13 @@ def layout() -> str:
 :host { display:grid !important; gap:6px; padding:4px 6px 6px;
   height:calc(100vh + 216px) !important;
   box-sizing:border-box; grid-template-columns:minmax(0, 1fr) 372px 352px;
-  grid-template-rows:34px max-content minmax(280px, 34fr) minmax(475px, 53fr) 210px;
+  grid-template-rows:28px max-content minmax(250px, 34fr) minmax(412px, 53fr) 210px;
   grid-template-areas:'bar bar bar' 'strip strip strip' 'sensor sensor sensor'
     'fails model missing' 'history history history'; }
 @media (min-width:2200px) { :host { grid-template-columns:minmax(0, 1fr) 560px 520px; } }
 @media (max-width:1279px) { :host { grid-template-columns:minmax(0, 1fr) 372px;
   height:auto !important;
-  grid-template-rows:34px max-content 600px 560px 420px 260px;
+  grid-template-rows:28px max-content 600px 560px 420px 260px;
   grid-template-areas:'bar bar' 'strip strip' 'sensor sensor' 'fails model'
     'missing missing' 'history history'; } }
 """
@@ -156,7 +156,7 @@ def plain_figure(p: Palette, **options: Any) -> Any:
         axis.major_label_text_color = p.ink
         axis.axis_label_text_color = p.ink
         axis.major_label_text_font_size = "10px"
-        axis.axis_label_text_font_size = "11px"
+        axis.axis_label_text_font_size = "10px"
         axis.axis_label_text_font_style = "normal"
         axis.axis_label_standoff = 3
         if isinstance(axis.formatter, BasicTickFormatter):
