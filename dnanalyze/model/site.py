@@ -138,9 +138,19 @@ class Site:
         ]
 
     def amplifier_at(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Index of the amplifier of pixels, by row and column in the full frame.
+        """Index of the amplifier of pixels; that of the pixel itself where none is shared.
 
-        That of the pixel, row x width + column, where none is shared.
+        Parameters
+        ----------
+        rows : ndarray of int
+            Of the pixels in the full frame.
+        columns : ndarray of int
+            As many.
+
+        Returns
+        -------
+        ndarray of int
+            Row x width + column, both in units of the groups that share an amplifier.
         """
         down, across = self.shared
         return rows // down * self._amplifiers_across + columns // across
