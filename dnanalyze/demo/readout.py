@@ -34,10 +34,30 @@ def _column_gain(scene: Scene, rng: Generator, relative: float) -> Step:
     return Step("line", lambda y, now: y * factor)
 
 
-def _row_noise(scene: Scene, rng: Generator, e: float) -> Step:
-    """y += r_i, new in each frame."""
-    size = (scene.shape[0], 1)
-    return Step("line", lambda y, now: y + e * now.rng.standard_normal(size))
+def _row_draw(sensor: VirtualSensor, amount: float, rng: Generator) -> Plain:
+    return of_noise(sensor, amount, rng) | {"apart": 0.0, "slope": 0.0}
+
+
+def _row_noise(scene: Scene, rng: Generator, e: float, apart: float, slope: float) -> Step:
+    """y += r_i, new in each frame; every second column is read by a converter of its own.
+
+    Its rows are those of the others by ``apart`` 0, independent by 1. ``slope``: standard deviation
+    of the change from one end of a row to the other, over ``e``.
+    """
+    size, odd = (scene.shape[0], 1), scene.column % 2 == 1
+    along = (scene.column + 0.5) / scene.shape[1] - 0.5
+
+    def apply(y: np.ndarray, now: Moment) -> np.ndarray:
+        rows = now.rng.standard_normal(size)
+        offsets = rows
+        if apart:
+            own = now.rng.standard_normal(size)
+            offsets = np.where(odd, np.sqrt(1 - apart**2) * rows + apart * own, rows)
+        if slope:
+            offsets = offsets + slope * along * now.rng.standard_normal(size)
+        return y + e * offsets
+
+    return Step("line", apply)
 
 
 def _column_noise(scene: Scene, rng: Generator, e: float) -> Step:
@@ -198,7 +218,7 @@ READOUT = (
     HiddenEffect("column_gain", (0.01, 0.03, 0.08), "relative; a typical .001 drowns in the "
                  "scatter of the dark current", lambda s, a, r: {"relative": a}, _column_gain),
     HiddenEffect("row_fpn", (0.1, 0.25, 0.6), _OVER_NOISE, of_noise, _row_fpn),
-    HiddenEffect("row_noise", (0.1, 0.25, 0.6), _OVER_NOISE, of_noise, _row_noise),
+    HiddenEffect("row_noise", (0.1, 0.25, 0.6), _OVER_NOISE, _row_draw, _row_noise),
     HiddenEffect("column_noise", (0.1, 0.25, 0.6), _OVER_NOISE, of_noise, _column_noise),
     HiddenEffect("flicker_fpn", (0.15, 0.4, 1.0), _OVER_NOISE, _flicker_draw, _flicker_fpn),
     HiddenEffect("flicker_noise", (0.15, 0.35, 0.8), _OVER_NOISE, _flicker_draw, _flicker_noise),

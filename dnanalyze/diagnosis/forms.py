@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
-from dnanalyze.diagnosis.predictive_check import error_of
+from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.score_test import informative, restricted
 from dnanalyze.diagnosis.selection import LEAST_GAIN, REFITS, Trial
 from dnanalyze.errors import InputError
@@ -29,10 +29,14 @@ UNTRIED = ("bits", "step", "spacing", "shared")
 def completed(problem: FitProblem, found: Trial) -> State:
     """The model with the best form and strength of an effect.
 
-    Where the model error is above 1, so that a better model can be told from the present one, other
-    forms are tried until none of them is better.
+    Where the model error is above 1 or replicates reject the model, so that a better one can be
+    told from it, other forms are tried until none of them is better.
     """
-    while not found.formed and error_of(problem, found.state) > 1.0:
+
+    def better_is_told(state: State) -> bool:
+        return error_of(problem, state) > 1.0 or not FittedModel.of(problem, state).adequate
+
+    while not found.formed and better_is_told(found.state):
         better = in_best_form(problem, found)
         if better is found.state:
             break

@@ -105,6 +105,18 @@ def test_periodic_pattern_is_one_line_of_random_phase():
     assert np.ptp(np.angle(line)) > 1.0
 
 
+def test_rows_of_two_converters_and_rows_that_slope():
+    d = added({"row_noise": {"e": 2.0, "apart": 1.0, "slope": 0.0}}, frames=8)
+    even, odd = d[:, :, ::2].mean(axis=2).ravel(), d[:, :, 1::2].mean(axis=2).ravel()
+    five = 5 / np.sqrt(even.size)
+    assert even.std() == pytest.approx(odd.std(), rel=2 * five)
+    assert np.corrcoef(even, odd)[0, 1] == pytest.approx(0.0, abs=five)
+    d = added({"row_noise": {"e": 2.0, "slope": 1.0}}, frames=8)
+    ends = d[:, :, -1] - d[:, :, 0]
+    reach = 1.0 - 1.0 / d.shape[2]
+    assert ends.std() / d.mean(axis=2).std() == pytest.approx(reach, rel=3 * five)
+
+
 def test_a_periodic_pattern_may_have_a_harmonic():
     fy, fx, e = 12 / ROWS, 40 / COLUMNS, 0.8
     given = {"e": e, "fy": fy, "fx": fx}

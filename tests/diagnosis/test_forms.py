@@ -7,11 +7,12 @@ from drawn_sensor import problem_with
 
 from dnanalyze.diagnosis.forms import _promising, completed, in_best_form, preferred
 from dnanalyze.diagnosis.gains import trial_of
-from dnanalyze.diagnosis.predictive_check import FittedModel
+from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.from_part import converge
+from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
@@ -21,6 +22,7 @@ from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
 from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.effects.row_fpn import RowFpn
+from dnanalyze.model.effects.row_noise import RowNoise
 from dnanalyze.model.effects.temporal_denoise import TemporalDenoise
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
@@ -42,6 +44,27 @@ def test_a_completed_filter_has_its_strength_and_the_noise_that_goes_with_it(see
     # 16,384 pixels of 8 frames tell a memory to about .01
     assert ended.model.get("temporal_denoise").share == pytest.approx(share, abs=0.05)
     assert ended.model.get("read_noise").sigma == pytest.approx(sigma, rel=0.1)
+
+
+def test_forms_are_tried_while_replicates_reject_a_model_whose_error_is_below_1():
+    point = OperatingPoint(25.0, 1.0, 1.0)
+
+    def model(seed, rows):
+        return NoiseModel(
+            (ReadNoise(4.0), PixelFpn(2.0), Quantization(12), rows), 64.0, point, seed
+        )
+
+    measured = model(1, RowNoise(1.0, alternating=0.5))
+    problem = fit_problem(design(simulate(measured, (256, 256), [(point, 6)])))
+    begun = model(2, RowNoise(0.8))
+    null = FittedModel(problem, start(problem, begun.without("row_noise"), []))
+    plain = minimise(problem, start(problem, begun))
+    found = trial_of(null, "row_noise", plain)
+    assert error_of(problem, plain) < 1.0
+    assert not FittedModel.of(problem, plain).adequate
+    ended = completed(problem, found)
+    assert ended.model.get("row_noise").alternating == pytest.approx(0.5, abs=0.15)
+    assert FittedModel.of(problem, ended).adequate
 
 
 def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
