@@ -244,8 +244,9 @@ def converter_bits(readings: Readings, stated: int | None) -> int:
 def serial_correlation(readings: Readings) -> tuple[float, float]:
     """Of read noise along a row at lags 1 and 2, from the quietest setting; 0 unless it stands out.
 
-    Crosstalk and filters act along columns too, rows and 1/f noise at all lags alike. Where no
-    setting has several frames, the noise of the single frame stands for that of the readout.
+    Crosstalk and filters act along columns too, row noise and 1/f noise at all lags alike, row
+    noise of two converters at odd lags as at even ones with the other sign. Where no setting has
+    several frames, the noise of the single frame stands for that of the readout.
     """
     part = "temporal" if np.isfinite(readings.value("temporal_noise_core")).any() else "frame"
     noise = readings.value(f"{part}_noise_core")
@@ -260,7 +261,7 @@ def serial_correlation(readings: Readings) -> tuple[float, float]:
         away = np.abs(value - np.array([0.0, *others]))
         return bool(np.all(away > max(CLEAR * error, LINKED)))
 
-    if not clear(along, across[0], farther):
+    if not clear(along, across[0], farther) or (along < 0.0 and not clear(along + farther)):
         return 0.0, 0.0
     second = farther if clear(farther, across[1]) else 0.0
     return float(np.clip(along, -0.4, 0.4)), float(np.clip(second, -0.4, 0.4))

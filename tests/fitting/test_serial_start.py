@@ -47,11 +47,12 @@ def test_it_is_read_off_a_single_frame_too(serial):
     [
         (),
         (RowNoise(1.5),),
+        (RowNoise(1.5, alternating=0.5),),
         (FlickerNoise(1.5),),
         (Denoise(1.0, space=0.5, kind="gaussian"),),
         (ConvolvedLognormal(4.0, 0.5, sigma=1e-6), DarkShotNoise(2.0), Crosstalk(0.02)),
     ],
-    ids=["white", "row noise", "1/f", "filter", "crosstalk"],
+    ids=["white", "row noise", "two converters", "1/f", "filter", "crosstalk"],
 )
 def test_what_else_correlates_neighbours_is_not_taken_for_it(others, frames):
     assert found(ReadNoise(4.0), *others, frames=frames) == (0.0, 0.0)
