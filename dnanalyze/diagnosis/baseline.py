@@ -19,10 +19,6 @@ from dnanalyze.model.registry import BASELINE, WANG
 BASELINE_REASON = (
     "baseline effect, present in every sensor: added with the other baseline effects, untested"
 )
-SHARED_REASON = (
-    "pixels of {0.shared} (rows x columns) share an amplifier: their temporal variances are "
-    "correlated, those of pixels across the groups are not"
-)
 FAR_OFF = 5.0  # loss per statistic beyond which the next effect moves all that is fitted here
 
 
@@ -53,8 +49,13 @@ def baseline_fitted(problem: FitProblem, begun: NoiseModel) -> State:
 
 def reasons(effect: Effect) -> list[str]:
     """Why a baseline effect is in a model, and in the form that it has."""
-    shared = isinstance(effect, ReadNoise) and effect.shared_pixels != (1, 1)
-    return [BASELINE_REASON, *([SHARED_REASON.format(effect)] if shared else [])]
+    if isinstance(effect, ReadNoise) and effect.shared_pixels != (1, 1):
+        shared = (
+            f"pixels of {effect.shared} (rows x columns) share an amplifier: their temporal "
+            "variances are correlated, those of pixels across the groups are not"
+        )
+        return [BASELINE_REASON, shared]
+    return [BASELINE_REASON]
 
 
 def new_in(model: NoiseModel, before: NoiseModel) -> list[str]:

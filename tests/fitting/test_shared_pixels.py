@@ -14,14 +14,14 @@ from dnanalyze.loaders.captures import OperatingPoint
 SHAPE, FRAMES = (256, 192), 6
 
 
-def problem_of(sigma, extra=0.0, seed=3):
+def problem_of(sigma, extra=0.0, seed=3, cfa=None):
     rng = np.random.default_rng(seed)
     frames = [
         100.0 + sigma * rng.normal(0.0, 1.0, SHAPE) + (extra(rng) if callable(extra) else extra)
         for _ in range(FRAMES)
     ]
     stack = np.rint(frames).astype(np.uint16)
-    return fit_problem(design(from_arrays({OperatingPoint(20.0, 1.0): stack})))
+    return fit_problem(design(from_arrays({OperatingPoint(20.0, 1.0): stack}, cfa=cfa)))
 
 
 def found(*drawn):
@@ -43,6 +43,15 @@ def test_the_baseline_model_has_them():
     read = baseline_model(problem_of(noise_map(2, 1))).get("read_noise")
     assert read.shared == "2x1"
     assert read.shared_pixels == (2, 1)
+
+
+def test_colours_of_a_mosaic_are_no_neighbours():
+    """Of groups of 4 x 4 pixels every colour plane has groups of 2 x 2."""
+    mosaic = problem_of(noise_map(4, 4), cfa=("RG", "GB"))
+    for half in mosaic.measured:
+        planes = [s.values["noise_shared_rows"] for s in half.settings]
+        assert all(plane.value > 5 * plane.se for plane in planes)
+    assert shared_pixels([Readings(half) for half in mosaic.measured]) == "1x1"
 
 
 def clouds(seed=6):

@@ -41,7 +41,7 @@ __all__ = ["INFOS", "finish"]
 SMALLEST_SIDE = 8  # pixels
 _FEWEST_FRAMES = 3  # whose scatter tells something
 _RANK_SD = 9 * 0.157  # of 9 P_max for n exchangeable pixels, times sqrt(n)
-BANDS = 16  # of rows, whose scatter is the error of what clusters of pixels make
+BANDS = 16  # of rows, whose scatter is the error of what clusters make, known to 1/sqrt(30)
 _ROOT_FLOOR = 0.375  # variance of a count that may be 0
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dnanalyze.fitting.simulated import room
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effects.noisy_pixels import NoisyPixels
 from dnanalyze.model.effects.read_noise import ReadNoise
@@ -60,6 +61,22 @@ def test_a_trap_of_an_amplifier_switches_all_its_pixels_each_in_its_own_time(gro
     assert abs(joint) < 5 / np.sqrt(15 * two.sum())
 
 
+def test_step_sign_and_occupancy_are_those_of_the_trap():
+    trap = replace(TRAP, amplitudes="exponential", polarity="both", occupancies="spread")
+    y = stack(trap, ReadNoise(1e-3, shared="2x2"), count=300, shape=(64, 96))
+    step = np.where(y.max(axis=0) > -y.min(axis=0), y.max(axis=0), y.min(axis=0))
+    occupancy = (np.abs(y) > np.abs(step) / 2).mean(axis=0)
+    first = step[::2, ::2]
+    seen = (np.abs(step) > 1.0) & (occupancy < 1.0)  # up in every frame: a trap of full occupancy
+    both = (seen[::2, ::2] & seen[1::2, 1::2]).nonzero()
+    assert both[0].size > 40
+    np.testing.assert_allclose(step[1::2, 1::2][both], first[both], atol=0.05)
+    assert (first[both] > 0).mean() == pytest.approx(0.5, abs=5 * 0.5 / np.sqrt(both[0].size))
+    apart = occupancy[::2, ::2][both] - occupancy[1::2, 1::2][both]
+    # each of 300 frames: sqrt(2 o (1 - o) / 300), of occupancies from 0 to 1
+    assert apart.std() < 2 * np.sqrt(2 / 6 / 300)
+
+
 def test_a_defect_of_the_photodiode_is_shared_by_none():
     traps = replace(TRAP, exposure="proportional")
     assert np.array_equal(
@@ -89,3 +106,11 @@ def test_a_window_is_a_part_of_the_frame(groups, window):
     made = simulator(TRAP, NoisyPixels(0.1), ReadNoise(1.0, spread=0.3, shared=groups), shape=ODD)
     rows, columns = slice(window.top, window.bottom), slice(window.left, window.right)
     assert np.array_equal(made.frame(HERE, 1, window), made.frame(HERE, 1)[rows, columns])
+
+
+def test_charge_kept_for_one_grouping_is_not_that_of_another():
+    memo = room()
+    for groups in GROUPS:
+        model = NoiseModel((TRAP, ReadNoise(1.0, shared=groups)), 0.0, HERE)
+        kept, anew = Simulator(model, ODD, memo), Simulator(model, ODD)
+        assert np.array_equal(kept.frame(HERE, 0), anew.frame(HERE, 0))
