@@ -24,7 +24,7 @@ from dnanalyze.loaders.mosaic import planes
 from dnanalyze.model.channel_models import require
 from dnanalyze.model.noise_model import NoiseModel
 
-MOST_POINTS, MOST_FRAMES = 5, 8
+MOST_POINTS, MOST_FRAMES = 5, 8  # looked at, for the time that they take
 UNLIMITED = 10**15  # pixels: the places are few already
 CONTROLS = 6  # of a cell that seems to tell: their scatter is then known to a third
 TRIED = 5  # such cells at most, for the time that they take

@@ -12,7 +12,9 @@ import numpy as np
 from dnanalyze.classifier.words import OF
 
 FILTERS = 4  # random 3 x 3 filters: with the products of neighbours they see any short correlation
+# Quantiles of a patch: those of a normal distribution at 2, 1 and 0 sigma
 ORDERS = (0.02, 0.16, 0.5, 0.84, 0.98)
+# Neighbours whose products are taken, (rows, columns)
 LAGS = (
     (0, 1, "along the row"),
     (1, 0, "along the column"),

@@ -11,6 +11,7 @@ from dnanalyze.loaders.captures import Window
 BANDS = 8  # down and across: either half of them samples a slow shading from end to end
 SIDE = 16, 8  # pixels of a patch, usual and least
 BAND = 64  # pixels of a band at most: the eight bands of a large field hold 512 x 512
+# Halves of the bands down and across, each in turn tested
 FOLDS = tuple((row, column) for row in (0, 1) for column in (0, 1))
 
 

@@ -86,6 +86,7 @@ def _both(stack: Stack) -> dict[str, np.ndarray]:
     return {name: np.resize(p, (count, *p.shape[1:])) for name, p in made.items()}
 
 
+# Frames that a patch is made of, and how often patches are drawn
 VIEWS = (
     View("frame", "single frame", 2, _frames, repeats=8),
     View("pair", "difference of two frames", 2, _pairs, repeats=8),

@@ -13,7 +13,7 @@ from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.thermal import arrhenius
 
 MAX_MAP_SIDE = 128  # pixels of the map, a side
-BINS = 48
+BINS = 48  # of a profile, as drawn
 
 
 @dataclass(frozen=True)

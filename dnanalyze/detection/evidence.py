@@ -32,7 +32,7 @@ from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
 VIEWS = {"frame": 1, "planes": 2}  # pixels between the neighbours of a view
 SATURATED = 0.1  # share of clipped and saturated pixels above which noise tells nothing
 ROUNDING = math.sqrt(ROUNDING_VARIANCE)  # noise of the codes alone, over their step
-LEVELS = np.linspace(0, 1, 101)
+LEVELS = np.linspace(0, 1, 101)  # quantiles of a frame, for the figure
 
 
 @dataclass(frozen=True)

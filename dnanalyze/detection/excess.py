@@ -25,6 +25,7 @@ from dnanalyze.significance import CERTAIN
 AWAY = 8  # pixels to the rings of the control: along the row and the column, of the same colour
 LADDER = np.concatenate([np.arange(0, 8, 0.25), np.geomspace(8, 4000, 64)])  # in units of the noise
 RATIOS = np.geomspace(1.0, 20.0, LADDER.size)  # crosstalk of 2 % forbids more than 42 by itself
+# Of rules that ask for a ratio and a threshold
 SLOPES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 MOST_PIXELS = 1 << 15  # hot ones, kept of all frames
 

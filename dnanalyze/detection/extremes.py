@@ -27,7 +27,7 @@ EXTREMES_SD = 0.118
 # their share of 2/3.
 TURNING_SD = math.sqrt(16 / 90) * 1.5
 MEDIAN_SD = math.sqrt(math.pi / 2)  # of a median over that of the mean of normal values
-PERIODS = range(2, 17)
+PERIODS = range(2, 17)  # pixels, of row and column structure: up to 16 outputs
 LEAST_ROWS = 6  # of a phase
 
 

@@ -22,11 +22,11 @@ from dnanalyze.analyzers.estimators.saturation import CROWDED
 from dnanalyze.detection.flatten import centre_and_sd, robust_sd, without_lines, without_tones
 from dnanalyze.significance import CLEAR
 
-LEAST_PIXELS = 200
+LEAST_PIXELS = 200  # a correlation in time then scatters by .07 in each pair of frames
 LEAST_FRAMES = 6  # for their pairs to say what pixels share
 PARTS = 4  # of the frame along a side: a filter acts in all of them
 REGULAR = (0.05, 2.5)  # sums of squares of pixels that neither blink nor stay, over the median one
-LARGEST_MEMORY = 0.95
+LARGEST_MEMORY = 0.95  # of a series of some frames more cannot be told from 1
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,9 @@ from scipy import fft, stats
 from dnanalyze.detection.flatten import clipped
 
 EDGES = np.array([0.004, 0.008, 0.016, 0.03, 0.06, 0.12, 0.25, 0.45, 0.7072])  # cycles/pixel
+# Logarithms, of octaves
 CENTRES = np.log2(EDGES[:-1] * EDGES[1:]) / 2
-LEAST_BINS = 16
+LEAST_BINS = 16  # of a band: the median of 16 exponential powers scatters by 36 %
 MIDDLE, IN_MIDDLE = (
     slice(3, 5),
     4,

@@ -49,7 +49,7 @@ BACKED = ("rank_exceedance", "local_variance", "wavelet_kurtosis")  # that never
 CROSSTALK_ROOM = 1.1  # over the largest crosstalk's share, for the error of that share
 CLUSTERED = 0.2  # share of hot pixels that still stand out where most come in clusters
 HIGHEST_THRESHOLD = 64.0  # in units of the noise
-ASKED_SLOPES = (2.0, 4.0)
+ASKED_SLOPES = (2.0, 4.0)  # of a rule of ratio and threshold; each is one more test
 SHARED = 40.0  # hum and 1/f noise, shared with neighbours, let more sites match by chance
 
 

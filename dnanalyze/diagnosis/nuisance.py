@@ -24,7 +24,7 @@ from dnanalyze.model.laws import Law, TableLaw, value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, BASELINE
 
-UNBIASED = (1.0, 0.0)
+UNBIASED = (1.0, 0.0)  # factor and offset
 
 
 def least_noise(problem: FitProblem) -> float:

@@ -55,7 +55,7 @@ from dnanalyze.result import Result
 if TYPE_CHECKING:
     from astropy.table import QTable
 
-REPLICATES = 24
+REPLICATES = 24  # a standard error is then good to 1 / sqrt(2 x 23), 15 %
 WHOLE_CODES = 0.95  # `lattice` of whole codes, 1, less its error
 CONFOUNDED_CORRELATION = 0.97  # correlation from which two parameters are called indistinguishable
 DERIVATIVES = 40  # simulations for the last derivatives of few groups; many take 6 each

@@ -17,7 +17,7 @@ from dnanalyze.analyzers.families.shading import RELATIVE, RELATIVE_ORDERS
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
 from dnanalyze.significance import TOLERATED
 
-ORDER = 4
+ORDER = 4  # cosines across the field: slopes, bows and edges; clouds are left to the spectrum
 WIDE = 2 * ORDER  # surfaces from ORDER on tell the scatter of those below
 LEVELS = ("mean", "median")
 

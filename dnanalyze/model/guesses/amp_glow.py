@@ -13,6 +13,7 @@ from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve
 from dnanalyze.significance import SIGN
 
+# Of the field, in steps of a factor of 1.3 to 2: a fit follows from there
 LENGTHS = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 1.2)
 
 

@@ -13,7 +13,7 @@ from dnanalyze.model.guesses.evidence import curve, shows, typical_positive
 from dnanalyze.model.guesses.line_profile import line_profile, strip_profile
 from dnanalyze.model.laws import Law, TableLaw, value_at
 
-_PERIODS, _STRIPS = (2, 3, 4, 8), (2, 4, 8, 16)
+_PERIODS, _STRIPS = (2, 3, 4, 8), (2, 4, 8, 16)  # numbers of outputs, in turn and side by side
 _SEAMS = ("column_taps_2", "column_taps_4", "column_taps_8", "shading_1_0", "shading_2_0",
           "shading_3_0")  # fmt: skip
 _ROW_SEAMS = ("shading_0_1", "shading_0_2", "shading_0_3")

@@ -7,8 +7,8 @@ import numpy as np
 # Power of the characteristic function, times the count, from which its log is told
 POWER_COUNTS = 12.0
 LEAST_RIPPLE = 10.0  # standard errors by which the ripple stands out
-NUMBERS = 0.02, 20.0
-SPACINGS = 160
+NUMBERS = 0.02, 20.0  # steps a pixel: fewer leave one peak, more leave none
+SPACINGS = 160  # tried, 2 % or less apart: a ripple of 10 periods is out of step by a fifth
 SMOOTH = np.arange(1, 5)  # powers: a log-normal core has tails that no parabola has
 
 

@@ -18,6 +18,7 @@ from dnanalyze.significance import SIGN
 
 METALS = 0.35  # activation energy of molybdenum and tungsten, eV
 TWICE = 0.2  # tolerance of the ratio 2 of two peaks, each found in bins of 10 %
+# Of the fixed pattern: atoms lift a share of the pixels that may be any
 QUANTILES = tuple(f"pattern_q{p}" for p in (0.001, 0.01, 0.1, 0.25, 0.75, 0.9, 0.99, 0.999))
 
 

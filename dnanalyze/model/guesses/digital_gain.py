@@ -14,7 +14,7 @@ from dnanalyze.model.guesses.evidence import histogram, shows
 _CODES = 300  # of the histogram's body that are looked at
 _DEGREE = 6  # of the smooth log density under the comb
 _PHASES = 20  # whole codes about the level that are tried as the offset
-_CANDIDATES = 24
+_CANDIDATES = 24  # of the factors by their misfit, of which phases and parts are then looked at
 _PLAIN = 4, 20, 100, 32  # parts of one of which factors are likely multiples
 _TIE = 0.003  # misfit by which chance tells factors apart
 

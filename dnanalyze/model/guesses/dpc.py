@@ -13,6 +13,7 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.dpc import Dpc
 from dnanalyze.model.guesses.evidence import excess, shows, strongest, typical_positive
 
+# Pixels above these multiples of the noise, as the statistics count them
 _EXCESS = (("excess_4", 4.0), ("excess_8", 8.0), ("excess_16", 16.0))
 HIGH_THRESHOLD = 3.0  # times the usual threshold from which that is looked at too
 _LEAST = 1.0, 2.0  # noise: net signal that a multiple of the median may be taken of

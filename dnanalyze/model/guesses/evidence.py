@@ -14,7 +14,7 @@ from dnanalyze.significance import SIGN
 if TYPE_CHECKING:
     from dnanalyze.model.clues import Clues
 
-FLICKERS = 0.3
+FLICKERS = 0.3  # of two frames a third of the pixels then differ: 2 x 0.3 / sqrt(pi)
 """Temporal noise, DN, from which codes change often enough to tell it."""
 
 

@@ -24,7 +24,8 @@ def guess(effect: type[HeavyTailedReadNoise], clues: Clues) -> list[Effect]:
     """
     high = ("temporal_kurtosis", "temporal_q0.999", "temporal_q0.99")
     low = ("temporal_q0.001", "temporal_q0.01")
-    if not (shows(clues, high) or shows(clues, low, -1)):
+    # a fit may have taken the tails for noise that differs from pixel to pixel, which repeats
+    if not (shows(clues, high) or shows(clues, low, -1) or shows(clues, ["blink_repeat"], -1)):
         return []
     core = clues.measured("temporal_noise_core")
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -10,7 +10,7 @@ from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import excess
 from dnanalyze.model.hot_signal import HotSignal
 
-THRESHOLDS = (5, 8, 16, 32, 64, 128)
+THRESHOLDS = (5, 8, 16, 32, 64, 128)  # robust sigmas, as the statistics count them
 USUAL = 0.55  # eV
 ENERGIES = np.array([USUAL, *np.linspace(0.0, 1.5, 31)])  # eV; the first where none is told
 REACHES = 0.3, 500.0, 60  # robust sigmas that the mean signal may be of, where it shows most

@@ -18,6 +18,7 @@ FEWEST = 20.0  # hot pixels that show how they are spread
 BIN = 0.1  # of ln DN: the bins of the measured histogram beyond 12 standard deviations
 REACH = 6  # bins to either side that tell the tail: a factor of 1.8, in which few tails bend
 APART = 2  # bins to either side that belong to a peak
+# Statistics of which one must show hot pixels
 SIGNS = *(f"hot_count_{k}" for k in (5, 8, 16)), "pattern_q0.99", "pattern_q0.999"
 
 

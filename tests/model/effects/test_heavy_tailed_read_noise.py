@@ -69,6 +69,13 @@ def test_guess_reads_the_tail_off_the_quantile():
     assert HeavyTailedReadNoise.guess(Given(off={"temporal_kurtosis": -9.0})) == []
 
 
+def test_noise_of_pixels_that_repeats_less_than_in_the_model_is_a_sign_of_tails():
+    """A fit took the tails for a spread of sigma: neither kurtosis nor quantiles are left."""
+    seen = {"temporal_noise_core": 2.0, "temporal_q0.999": 12.0}
+    assert HeavyTailedReadNoise.guess(Given(seen=seen, off={"blink_repeat": -10.0}))
+    assert HeavyTailedReadNoise.guess(Given(seen=seen, off={"blink_repeat": 10.0})) == []
+
+
 def test_the_quietest_setting_is_asked_first():
     points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (25.0, 65.0, 105.0))
     clues = Given(
