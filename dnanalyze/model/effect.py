@@ -193,11 +193,11 @@ class Effect:
                     raise InputError(f"{where}: {value!r} is no whole number of 0 to {MOST_WHOLE}")
                 continue
             numbers = getattr(value, "values", None) or (getattr(value, "value", value),)
+            unit = "" if info.unit == "1" else f" {info.unit}"
             for number in numbers:
                 if not info.lower <= number <= info.upper:
                     raise InputError(
-                        f"{where}: {number:g} {info.unit} is outside "
-                        f"{info.lower:g} to {info.upper:g}"
+                        f"{where}: {number:g}{unit} is outside {info.lower:g} to {info.upper:g}"
                     )
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
