@@ -10,8 +10,8 @@ from functools import cached_property, partial
 from itertools import chain
 from pathlib import Path
 
+from dnanalyze.comparator.predictive_check import error_of
 from dnanalyze.diagnosis.diagnose import Diagnosis, diagnose_on
-from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.refine import Refinement, add_on, refine_on
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.search_path import NO_LIMITS, SearchLimits

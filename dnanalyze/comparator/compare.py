@@ -11,7 +11,8 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Statistics
-from dnanalyze.comparator.error import family_errors, pooled
+from dnanalyze.comparator.error import TOLERABLE, family_errors, pooled
+from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.comparator.words import failures
 from dnanalyze.digits import number
 from dnanalyze.fitting.fit import as_captured, at_a_glance, fit_on, with_seed
@@ -49,6 +50,9 @@ class Comparison(Result):
         One row for each statistic and operating point.
     failures : list of str
         Where the model fails, worst first.
+    unexplained : list of str
+        Statistics that differ on both halves of the field by more than simulated sensors of the
+        model do, worst first.
     measured, simulated, gaussian : Statistics
         Of the held-out half, with their curves.
     level : Level, optional
@@ -64,11 +68,17 @@ class Comparison(Result):
     families: dict[str, float]
     statistics: list[dict[str, Any]]
     failures: list[str]
+    unexplained: list[str]
     measured: Statistics
     simulated: Statistics
     gaussian: Statistics
     level: Level | None = None
     coverage: Coverage | None = None
+
+    @property
+    def adequate(self) -> bool:
+        """Whether error and statistics are those of a second sensor of the same design."""
+        return self.error < TOLERABLE and not self.unexplained
 
     def _brief(self) -> str:
         return f"{self.captures.name}, model error {number(self.error)}"
@@ -154,12 +164,15 @@ def compared(
     """
     plain = problem.statistics(as_captured(problem, gaussian_model(at_a_glance(problem))), True)
     made = problem.statistics(model, errors=True)
-    z = problem.test.z(prediction(made, 1, problem.test))
+    train, z = (
+        half.z(prediction(made, n, half)) for n, half in enumerate((problem.train, problem.test))
+    )
     baselines = {"gaussian": error_of(problem, plain)}
     if paper is not None:
         same = paper == model
         baselines["paper"] = error_of(problem, made if same else problem.statistics(paper))
     rows = table(problem, made)
+    fixed = State(model, [], train, lambda: z, np.empty((len(train), 0)))
     return Comparison(
         captures,
         model,
@@ -168,10 +181,11 @@ def compared(
         family_errors(z, problem.test.families),
         rows,
         failures(rows),
+        FittedModel(problem, fixed).left,
         problem.measured[1],
         made[1],
         plain[1],
-        problem.level(problem.train.z(prediction(made, 0, problem.train)), z),
+        problem.level(train, z),
         coverage(problem.plan, model),
     )
 

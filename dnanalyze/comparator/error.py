@@ -7,6 +7,7 @@ import numpy as np
 # The error of one sensor's simulations scatters by .06 of it over simulated sensors of its design
 # (.13 where tracks of particles cross it): by less it neither falls nor rises.
 ERROR_SCATTER = 0.06
+TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
 SATURATION = 1e4  # standard deviations; so that the error stays finite
 
 

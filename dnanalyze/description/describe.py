@@ -12,6 +12,7 @@ import numpy as np
 
 from dnanalyze.classifier.classify import classify_on
 from dnanalyze.classifier.result import Classification
+from dnanalyze.comparator.predictive_check import FittedModel, error_of
 from dnanalyze.description.advice import more_captures
 from dnanalyze.description.found import Estimate
 from dnanalyze.description.layers import layers, simulated_layers
@@ -21,7 +22,6 @@ from dnanalyze.description.search import by_chance, searched
 from dnanalyze.description.words import sentence
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.gains import trial_of
-from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.selection import STANDS_IN, Trial, confidence_of
 from dnanalyze.diagnosis.stepwise import reduced, supported
 from dnanalyze.digits import number

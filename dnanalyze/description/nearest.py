@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from dnanalyze.comparator.error import ERROR_SCATTER
+from dnanalyze.comparator.predictive_check import error_of
 from dnanalyze.diagnosis.candidates import candidates_of
 from dnanalyze.diagnosis.explain import evidence_against
-from dnanalyze.diagnosis.predictive_check import error_of
 from dnanalyze.diagnosis.score_test import Guess, score_tests
 from dnanalyze.digits import number
 from dnanalyze.fitting.from_part import FIT_STEPS

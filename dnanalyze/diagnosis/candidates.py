@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.classifier_tests import without_distinguished
 from dnanalyze.diagnosis.filter_tests import DENIED, FILTERS, denied, without_denied
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
 from dnanalyze.diagnosis.nuisance import without_biased
-from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.score_test import Guess, along, much_left, score_tests
 from dnanalyze.diagnosis.selection import (
     COMPETING_SHARE,

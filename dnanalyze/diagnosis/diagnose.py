@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.baseline import (
     baseline_fitted,
     baseline_start,
@@ -20,7 +21,6 @@ from dnanalyze.diagnosis.detectability import detection_limits
 from dnanalyze.diagnosis.explain import evidence_against, evidence_for, next_capture
 from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.gains import trial_of
-from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Candidate, Diagnosis
 from dnanalyze.diagnosis.score_test import score_tests
 from dnanalyze.diagnosis.selection import (

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from dnanalyze.comparator.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
-from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.score_test import informative, restricted
 from dnanalyze.diagnosis.selection import LEAST_GAIN, REFITS, Trial
 from dnanalyze.errors import InputError

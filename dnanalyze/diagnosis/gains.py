@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.predictive_check import FittedModel, Halves
+from dnanalyze.comparator.predictive_check import FittedModel, Halves
 from dnanalyze.diagnosis.selection import Trial, falls, overdispersion
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, deviance

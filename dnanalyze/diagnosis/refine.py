@@ -9,14 +9,15 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 
 from dnanalyze.classifier.classify import classify_on
+from dnanalyze.comparator.error import TOLERABLE
+from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.diagnose import first_answer, judge
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
-from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.results import Refinement, Step
 from dnanalyze.diagnosis.score_test import score_tests
 from dnanalyze.diagnosis.search_path import NO_LIMITS, Path, SearchLimits
-from dnanalyze.diagnosis.selection import STANDS_IN, TOLERABLE, UNFINISHED, confidence_of
+from dnanalyze.diagnosis.selection import STANDS_IN, UNFINISHED, confidence_of
 from dnanalyze.diagnosis.stepwise import Search, supported
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.fit import fit_on, starting_model, with_seed

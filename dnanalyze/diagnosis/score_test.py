@@ -10,8 +10,8 @@ from functools import cache, cached_property, partial
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from dnanalyze.comparator.error import TOLERABLE
 from dnanalyze.diagnosis.nuisance import from_moments, least_noise, unbiased
-from dnanalyze.diagnosis.selection import TOLERABLE
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.changes import Changes
 from dnanalyze.fitting.problem import FitProblem

@@ -24,7 +24,6 @@ DEFLATION = 8.0
 # 62: odds of 10 against "nothing is missing"
 EVIDENCE_ODDS_10 = EVIDENCE_NULL + 2.0 * DEFLATION * math.log(10.0)
 EVIDENCE_DECISIVE = 300.0  # exceeds the variation between sensors of one design
-TOLERABLE = 1.3  # model error up to which no residual is called unexplained by itself
 # Share of the best evidence from which a competitor is reported as confounded. Two candidates that
 # have no more in common than it may lack do not compete.
 COMPETING_SHARE = 0.75

@@ -14,8 +14,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
+from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.gains import trial_of
-from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.selection import Trial, significant
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.free_parameters import FreeParameter, free_parameters

@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from dnanalyze.comparator.error import ERROR_SCATTER, way
+from dnanalyze.comparator.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.baseline import (
     baseline_fitted,
     baseline_start,
@@ -33,7 +34,6 @@ from dnanalyze.diagnosis.candidates import (
 from dnanalyze.diagnosis.explain import evidence_for
 from dnanalyze.diagnosis.forms import completed
 from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
-from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.search_path import (
     NO_LIMITS,

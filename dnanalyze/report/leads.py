@@ -10,7 +10,6 @@ from dnanalyze.report.significant_structure import Structure, beyond, sentence_o
 from dnanalyze.report.words import (
     SURE,
     closeness,
-    is_number,
     leading,
     listing,
     net_additions,
@@ -27,7 +26,6 @@ CAPITALS = {
     name: name.upper() for name in ("adc", "cds", "cfa", "dc", "dn", "dpc", "dsnu", "fpn", "hdr",
                                     "prnu", "rts")
 }  # fmt: skip
-ADEQUATE = 1.3  # model error below which nothing is said to be lacking
 NOTHING = "No fault is visible in these captures"
 
 
@@ -53,8 +51,8 @@ def explained(effect: str) -> str:
 
 def compare_lead(result: Comparison) -> str:
     """Whether the model describes the sensor, and where it fails most."""
-    text = sentence(closeness(result.error))
-    if is_number(result.error) and result.error < ADEQUATE:
+    text = sentence(closeness(result.error, result.unexplained))
+    if result.adequate:
         return text
     lacking = lacks(result)
     if lacking is not None:
@@ -65,7 +63,7 @@ def compare_lead(result: Comparison) -> str:
 
 def lacks(result: Comparison) -> Structure | None:
     """The plainest structure of the sensor that the model lacks; None where it lacks none."""
-    if is_number(result.error) and result.error < ADEQUATE:
+    if result.adequate:
         return None
     return next(iter(beyond(result.measured, result.simulated)), None)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from dnanalyze.comparator.error import TOLERABLE
 from dnanalyze.report import capture_facts
 from dnanalyze.report.figures.palette import TONES, turning
 from dnanalyze.report.figures.pictures import Key, Panel, Picture
@@ -232,8 +233,8 @@ def swatch(key: Key) -> Markup:
     return Markup(f'<svg width="26" height="10" aria-hidden="true">{drawn}</svg>')
 
 
-def tone_of(error: float | None) -> str:
-    """Tone of an error."""
+def tone_of(error: float | None, unexplained: Sequence[str] = ()) -> str:
+    """Tone of a model error; ``unexplained``: statistics that are left all the same."""
     if error is None or not error < 2:
         return "poor"
-    return "good" if error < 1.3 else "fair"
+    return "good" if error < TOLERABLE and not unexplained else "fair"

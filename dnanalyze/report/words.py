@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from dnanalyze.comparator.error import TOLERABLE
 from dnanalyze.digits import is_number, minus, number, symbol, unit_text, with_error
 from dnanalyze.loaders.captures import OperatingPoint
 
@@ -120,14 +121,22 @@ def gap(measured: Any, simulated: Any, unit: str = "", scale: str = "") -> str:
     return f"{sign}{number(abs(measured - simulated), 2)}{tail}"
 
 
-def closeness(error: Any) -> str:
-    """What a model error means."""
+def closeness(error: Any, unexplained: Sequence[str] = ()) -> str:
+    """What a model error means.
+
+    ``unexplained``: statistics that differ by more than sensors of the same design do.
+    """
     if not is_number(error):
         return "the model could not be compared with these captures"
-    if error < 1.3:
-        return "the model is as close to this sensor as a second sensor of the same design"
+    second = "as close to this sensor as a second sensor of the same design"
+    differ = f"{'differs' if len(unexplained) == 1 else 'differ'} by more than such sensors do"
+    if error < TOLERABLE and unexplained:
+        but = f"{statistics_named(unexplained)} {differ}"
+        return f"on average the model is {second}, but not everywhere: {but}"
+    if error < TOLERABLE:
+        return f"the model is {second}"
     if error < 2:
-        return "the model is close to this sensor; a small difference remains"
+        return "the model is close to this sensor; differences remain"
     if error < 5:
         return "the model does not describe part of this sensor"
     return "the model does not describe much of this sensor"
@@ -155,10 +164,10 @@ def plural(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
-def compare_headline(error: Any, baselines: Mapping[str, Any]) -> str:
+def compare_headline(result: Comparison) -> str:
     """The verdict of a comparison in one sentence, the Gaussian model beside it."""
-    text = f"Model error {number(error)}: {closeness(error)}"
-    gaussian = baselines.get("gaussian")
+    error, gaussian = result.error, result.baselines.get("gaussian")
+    text = f"Model error {number(error)}: {closeness(error, result.unexplained)}"
     if is_number(error) and is_number(gaussian):
         text += (
             "; a Gaussian model of the same mean and standard deviation has a model error of "

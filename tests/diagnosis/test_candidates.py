@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import pytest
 from drawn_sensor import problem_with
 
+from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
 from dnanalyze.diagnosis.candidates import (
     candidates_of,
@@ -16,7 +17,6 @@ from dnanalyze.diagnosis.candidates import (
 )
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
-from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.score_test import Guess
 from dnanalyze.diagnosis.selection import EVIDENCE_DECISIVE, Trial, significant
 from dnanalyze.fitting.design import design

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from drawn_sensor import captures_with
 
+from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.diagnose import diagnose_on, judge
-from dnanalyze.diagnosis.predictive_check import FittedModel
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.diagnosis.search_path import SearchLimits
 from dnanalyze.diagnosis.selection import OUTSIDE

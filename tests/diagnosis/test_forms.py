@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 from drawn_sensor import problem_with
 
+from dnanalyze.comparator.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.forms import _promising, completed, in_best_form, preferred
 from dnanalyze.diagnosis.gains import trial_of
-from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model

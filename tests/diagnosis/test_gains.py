@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from dnanalyze.comparator.predictive_check import REPLICATES, FittedModel
 from dnanalyze.diagnosis.gains import _in_time, _witnessed, trial_by_prediction, trial_of
-from dnanalyze.diagnosis.predictive_check import REPLICATES, FittedModel
 from dnanalyze.diagnosis.selection import EVIDENCE_ODDS_10
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.problem import FitProblem, fit_problem

@@ -4,9 +4,10 @@ import math
 
 import pytest
 
+from dnanalyze.comparator.error import TOLERABLE
 from dnanalyze.diagnosis.refine import add_on, refine_on
 from dnanalyze.diagnosis.search_path import SearchLimits
-from dnanalyze.diagnosis.selection import OUTSIDE, TOLERABLE
+from dnanalyze.diagnosis.selection import OUTSIDE
 from dnanalyze.errors import InputError
 from dnanalyze.model.registry import BASE, BASELINE, WANG
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dnanalyze.diagnosis.predictive_check import FittedModel
+from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.spread_law import in_words, spread_law, with_law
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model

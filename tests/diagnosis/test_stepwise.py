@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 from drawn_sensor import problem_with
 
+from dnanalyze.comparator.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.gains import trial_by_prediction
-from dnanalyze.diagnosis.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.search_path import Path, SearchLimits
 from dnanalyze.diagnosis.selection import EVIDENCE_DECISIVE, EVIDENCE_NULL, EVIDENCE_ODDS_10, Trial

@@ -5,12 +5,13 @@ from dataclasses import replace
 
 import pytest
 
+from dnanalyze.comparator.error import TOLERABLE
 from dnanalyze.demo import tiny
 from dnanalyze.diagnosis.diagnose import diagnose_on
 from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.search_path import Path, SearchLimits
-from dnanalyze.diagnosis.selection import TOLERABLE, UNFINISHED
+from dnanalyze.diagnosis.selection import UNFINISHED
 from dnanalyze.diagnosis.stepwise import Search
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.design import design

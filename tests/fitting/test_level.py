@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import small_series as small
 
-from dnanalyze.diagnosis.predictive_check import FittedModel
+from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.fitting.free_parameters import free_parameters, positions
 from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.level import DarkSignals, allowed, level

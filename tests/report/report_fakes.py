@@ -9,6 +9,7 @@ import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
 from dnanalyze.classifier.result import Cell, Classification, Told
+from dnanalyze.comparator.error import TOLERABLE
 from dnanalyze.detection.results import Detection, FilterEstimate, Finding, TailBound
 from dnanalyze.detection.series import SuppressionSeries
 from dnanalyze.fitting.fit import Parameter
@@ -24,6 +25,10 @@ class Fake(SimpleNamespace):
 
 class Comparison(Fake, Result):
     """Looks as a comparison does."""
+
+    @property
+    def adequate(self) -> bool:
+        return self.error < TOLERABLE and not self.unexplained
 
 
 class Diagnosis(Fake, Result):
@@ -150,6 +155,7 @@ def comparison() -> Comparison:
         baselines={"gaussian": 80.0, "paper": 7.5},
         families={"level": 9.0, "spectrum": 1.1, "tails": float("nan")},
         failures=[f"failure {n} <script>alert(1)</script>" for n in range(8)],
+        unexplained=["pattern_q0.001"],
         statistics=rows(measured, simulated),
         measured=measured,
         simulated=simulated,

@@ -31,10 +31,11 @@ from dnanalyze.report.figures.field_images import block_means, field_row, robust
 from dnanalyze.report.figures.style import Layer, layers
 from dnanalyze.report.figures.wang_2025 import figure_1, figure_2
 from dnanalyze.report.leads import compare_lead, diagnose_lead, plain_name, refine_lead
-from dnanalyze.report.page import render
+from dnanalyze.report.page import render, tone_of
 from dnanalyze.report.results import refinement, statistics
 from dnanalyze.report.rivals import Rival, Rivals, of_steps, unfiltered
 from dnanalyze.report.significant_structure import plainest, sentence_of, structures
+from dnanalyze.report.words import compare_headline
 
 POINTS = OperatingPoint(15.0), OperatingPoint(95.0)
 
@@ -224,10 +225,26 @@ def test_the_lead_of_a_diagnosis_names_the_candidate():
 def test_the_lead_of_a_comparison_names_a_structure_that_the_model_lacks():
     with_it = measured(column_noise=[(4.2, 0.04), (1.0, 0.04)])
     without = measured(column_noise=[(1.0, 0.04), (1.0, 0.04)])
-    result = SimpleNamespace(error=6.0, failures=["other"], measured=with_it, simulated=without)
+    result = fakes.Comparison(
+        error=6.0, failures=["other"], unexplained=[], measured=with_it, simulated=without
+    )
     assert "It lacks fixed vertical stripes" in compare_lead(result)
     result.simulated = with_it
     assert compare_lead(result).endswith("Other.")
+
+
+def test_an_error_near_1_does_not_hide_what_sensors_of_the_design_do_not_show():
+    """A real camera: error 1.16, whole rows 11 standard deviations off."""
+    result = fakes.comparison()
+    result.error, result.unexplained = 1.16, ["drift"]
+    assert "as close to this sensor" in compare_lead(result)
+    assert "but not everywhere: " in compare_lead(result)
+    assert "<script>" in compare_lead(result)  # the worst failure is told
+    assert tone_of(result.error, result.unexplained) == "fair"
+    assert "but not everywhere: " in compare_headline(result)
+    result.unexplained = []
+    assert compare_lead(result).endswith("a second sensor of the same design.")
+    assert tone_of(result.error, result.unexplained) == "good"
 
 
 def test_a_refinement_shows_before_and_after_in_front():

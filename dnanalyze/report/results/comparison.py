@@ -29,7 +29,7 @@ from dnanalyze.report.words import number, sentence
 
 def headline(result: Comparison) -> str:
     """The model error, and what it means."""
-    return words.with_remarks(words.compare_headline(result.error, result.baselines), result)
+    return words.with_remarks(words.compare_headline(result), result)
 
 
 def sections(result: Comparison) -> list[Section]:
@@ -99,7 +99,7 @@ def page(
             model_section(result.model),
             *families(result),
         ],
-        tone=tone_of(result.error),
+        tone=tone_of(result.error, result.unexplained),
         points=[
             *filter(None, [words.with_remarks("", result).strip()]),  # the errors stand above
             *(s for s in map(sentence, result.failures) if s not in lead),
@@ -121,6 +121,7 @@ def document(result: Comparison, judged: Classification | None = None) -> Docume
         baselines=result.baselines,
         families=result.families,
         failures=result.failures,
+        unexplained=result.unexplained,
         statistics=result.statistics,
         model=result.model,
         **level(result),

@@ -8,8 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from dnanalyze.comparator.error import pooled
-from dnanalyze.diagnosis.selection import TOLERABLE
+from dnanalyze.comparator.error import TOLERABLE, pooled
 from dnanalyze.fitting.design import MOST_SETTINGS
 from dnanalyze.fitting.least_squares import linear_step
 from dnanalyze.fitting.problem import FitProblem

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from dnanalyze.comparator.error import pooled
+from dnanalyze.comparator.predictive_check import REPLICATES, FittedModel
 from dnanalyze.diagnosis.gains import trial_of
-from dnanalyze.diagnosis.predictive_check import REPLICATES, FittedModel
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.level import MEAN
