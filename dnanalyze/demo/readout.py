@@ -35,26 +35,33 @@ def _column_gain(scene: Scene, rng: Generator, relative: float) -> Step:
 
 
 def _row_draw(sensor: VirtualSensor, amount: float, rng: Generator) -> Plain:
-    return of_noise(sensor, amount, rng) | {"apart": 0.0, "slope": 0.0}
+    return of_noise(sensor, amount, rng) | {"apart": 0.0, "slope": 0.0, "at_once": 1, "banks": 1}
 
 
-def _row_noise(scene: Scene, rng: Generator, e: float, apart: float, slope: float) -> Step:
+def _row_noise(
+    scene: Scene, rng: Generator, e: float, apart: float, slope: float, at_once: int, banks: int
+) -> Step:
     """y += r_i, new in each frame; every second column is read by a converter of its own.
 
     Its rows are those of the others by ``apart`` 0, independent by 1. ``slope``: standard deviation
-    of the change from one end of a row to the other, over ``e``.
+    of the change from one end of a row to the other, over ``e``. ``at_once``: rows of each of the
+    interleaved ``banks`` that are read at the same time.
     """
-    size, odd = (scene.shape[0], 1), scene.column % 2 == 1
+    odd = scene.column % 2 == 1
     along = (scene.column + 0.5) / scene.shape[1] - 0.5
+    reads = -(-scene.shape[0] // (at_once * banks))
+
+    def drawn(now: Moment) -> np.ndarray:
+        each = now.rng.standard_normal((reads, 1, banks))
+        return np.repeat(each, at_once, axis=1).reshape(-1, 1)[: scene.shape[0]]
 
     def apply(y: np.ndarray, now: Moment) -> np.ndarray:
-        rows = now.rng.standard_normal(size)
+        rows = drawn(now)
         offsets = rows
         if apart:
-            own = now.rng.standard_normal(size)
-            offsets = np.where(odd, np.sqrt(1 - apart**2) * rows + apart * own, rows)
+            offsets = np.where(odd, np.sqrt(1 - apart**2) * rows + apart * drawn(now), rows)
         if slope:
-            offsets = offsets + slope * along * now.rng.standard_normal(size)
+            offsets = offsets + slope * along * drawn(now)
         return y + e * offsets
 
     return Step("line", apply)

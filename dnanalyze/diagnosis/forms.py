@@ -22,8 +22,8 @@ from dnanalyze.model.noise_model import NoiseModel
 
 # Squared misfit between two predictions: a likelihood ratio of e^(1/2) at most
 INDISTINGUISHABLE = 1.0
-# Properties of the converter, the mosaic and the pixels, not forms
-UNTRIED = ("bits", "step", "spacing", "shared")
+# Properties of the converter, the mosaic, the pixels and the readout: the frames show them
+UNTRIED = ("bits", "step", "spacing", "shared", "together")
 
 
 def completed(problem: FitProblem, found: Trial) -> State:

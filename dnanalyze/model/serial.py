@@ -40,3 +40,12 @@ def averaged(white: np.ndarray, weights: np.ndarray, begins: bool) -> np.ndarray
         for place in range(weights.size - 1):
             mixed[..., place] /= np.float32(np.linalg.norm(weights[: place + 1]))
     return np.asarray(mixed)
+
+
+def groups(lines: np.ndarray, together: int, banks: int) -> np.ndarray:
+    """Number of the group of each line.
+
+    ``banks`` take the lines in turn; ``together`` lines of a bank that follow each other are one
+    group.
+    """
+    return np.asarray(lines // (together * banks) * banks + lines % banks)

@@ -117,6 +117,18 @@ def test_rows_of_two_converters_and_rows_that_slope():
     assert ends.std() / d.mean(axis=2).std() == pytest.approx(reach, rel=3 * five)
 
 
+@pytest.mark.parametrize(("at_once", "banks"), [(4, 1), (4, 2), (2, 2)])
+def test_rows_that_are_read_at_once(at_once, banks):
+    given = {"e": 2.0, "at_once": at_once, "banks": banks}
+    rows = added({"row_noise": given}, frames=8).mean(axis=2)
+    whole = rows.shape[1] // (at_once * banks)
+    r = rows[:, : whole * at_once * banks].reshape(8, whole, at_once, banks)
+    within = r.std(axis=2).mean()
+    assert within < 0.1 * r[:, :, 0].std()  # rounding alone
+    other = np.corrcoef(r[:, 1:, 0, 0].ravel(), r[:, :-1, 0, 0].ravel())[0, 1]
+    assert other == pytest.approx(0.0, abs=5 / np.sqrt(r[:, 1:, 0, 0].size))
+
+
 def test_a_periodic_pattern_may_have_a_harmonic():
     fy, fx, e = 12 / ROWS, 40 / COLUMNS, 0.8
     given = {"e": e, "fy": fy, "fx": fx}

@@ -9,12 +9,13 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
-from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
+from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
-from dnanalyze.model.serial import averaged, moving_average
+from dnanalyze.model.serial import averaged, groups, moving_average
 
 # Forms tried where rows are white and level, and columns alike
 RELATED = ("serial", 0.2), ("serial", -0.2), ("serial2", 0.2), ("alternating", 0.3), ("tilt", 0.3)
+TOGETHER = "1x1", "2x1", "4x1", "8x1", "2x2", "4x2"  # rows of a group x interleaved banks
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,9 @@ class RowNoise(Effect):
     physics: ClassVar[str] = (
         "All pixels of a row are sampled at the same instant. A disturbance of the supply, "
         "the ramp or the reference at that instant shifts the whole row; the next row has "
-        "another value. Where even and odd columns have converters of their own, above and below "
+        "another value. Sensors that convert several rows at a time shift these alike "
+        "(`together`): neighbours, or every other row where two banks of converters take the rows "
+        "in turn. Where even and odd columns have converters of their own, above and below "
         "the field, as they have in many CMOS sensors, a part of it has either sign in turn along "
         "the row (`alternating`). What changes while the row is read tilts it (`tilt`). Rows that "
         "follow each other may share some of a slow disturbance "
@@ -42,7 +45,8 @@ class RowNoise(Effect):
     formula: ClassVar[str] = (
         "y_ij += sqrt(1 - a) r_i + sqrt(a) (-1)^j s_i + tilt sqrt(3) x_j q_i, x_j from -1 to 1 "
         "along the row;  r_i, s_i, q_i ~ N(0, sigma^2), new in every frame; correlation r_1 with "
-        "the row before, r_2 with the one before that, none farther"
+        "the row before, r_2 with the one before that, none farther; of n x m rows that are "
+        "converted together, i is the number of the group, m floor(i / (n m)) + i mod m"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Wei, Fu, Yang, Huang, A physics-based noise formation model for extreme low-light raw "
@@ -69,6 +73,11 @@ class RowNoise(Effect):
     tilt: float = parameter(
         0.0, "1", 0.0, 2.0, "rms of a linear change along the row, over sigma", "linear"
     )
+    together: str = choice(
+        "1x1", "rows that are converted at a time and share an offset x banks that take rows in "
+        "turn: of 4x2 rows 0, 2, 4 and 6 share one, rows 1, 3, 5 and 7 another",
+        *TOGETHER,
+    )  # fmt: skip
 
     def inactive_parameters(self) -> tuple[str, ...]:
         """What is not there: correlations, a sign that alternates, a tilt."""
@@ -103,12 +112,14 @@ class RowNoise(Effect):
         """Unit offsets of the window's rows, float32, (rows, 1)."""
         stream = site.frame_stream.child(name)
         serial = self.value("serial", site.point), self.value("serial2", site.point)
-        if not any(serial):
+        if not any(serial) and self.together == TOGETHER[0]:
             return site.rows(stream)[:, None]
-        weights = moving_average(*serial)
-        top = max(0, site.window.top - weights.size + 1)
-        white = stream.normal(Window(0, 1, top, site.window.bottom), site.shape[0])[0]
-        return averaged(white, weights, top == 0)[site.window.top - top :, None]
+        weights = moving_average(*serial) if any(serial) else np.ones(1)
+        rows, banks = map(int, self.together.split("x"))
+        number = groups(np.arange(site.window.top, site.window.bottom), rows, banks)
+        first = max(0, int(number.min()) - weights.size + 1)
+        white = stream.normal(Window(0, 1, first, int(number.max()) + 1), site.shape[0])[0]
+        return averaged(white, weights, first == 0)[number - first, None]
 
     def variance(self, point: OperatingPoint) -> float:
         """sigma^2 (1 + tilt^2), DN^2."""

@@ -13,7 +13,7 @@ from functools import cache
 from typing import Any
 
 EFFECTS = "dnanalyze.model.effects"
-SHARED = dict.fromkeys(("row_noise", "row_fpn", "column_noise"), "white_lines")
+SHARED = dict.fromkeys(("row_fpn", "column_noise"), "white_lines")
 
 
 def guess_of(effect: type) -> Callable[..., list[Any]] | None:

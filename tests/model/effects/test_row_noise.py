@@ -3,7 +3,7 @@ import pytest
 from readout_bench import added, frames, line_clues
 
 from dnanalyze.loaders.captures import Window
-from dnanalyze.model.effects.row_noise import RowNoise
+from dnanalyze.model.effects.row_noise import TOGETHER, RowNoise
 
 
 def test_rows_scatter_by_sigma_anew_in_every_frame():
@@ -24,6 +24,18 @@ def test_guess_from_power_in_differences():
     (effect,) = RowNoise.guess(line_clues("temporal_rows", 4.0 + 256 * 0.49, 4.0))
     assert effect.sigma == pytest.approx(0.7, rel=1e-6)
     assert RowNoise.guess(line_clues("pattern_rows", 90.0, 4.0)) == []
+
+
+def test_guess_of_rows_that_are_converted_together():
+    v = np.arange(1, 129) / 256
+    # of 2 x 1 rows: 1 + cos, beside the pixels; exactly as expected, of 8 frames
+    power = 4.0 + 256 * 0.49 * (1.0 + np.cos(2.0 * np.pi * v))
+    curves = {
+        "temporal_row_spectrum": [power], "row_spectrum_f": [v], "frame_means": [np.zeros(8)],
+    }  # fmt: skip
+    (found,) = RowNoise.guess(line_clues("temporal_rows", 4.0 + 256 * 0.49, 4.0, curves=curves))
+    assert found.together == "2x1"
+    assert found.sigma == pytest.approx(0.7, rel=1e-6)
 
 
 @pytest.mark.parametrize("serial", [(0.3, 0.0), (-0.3, 0.0), (0.0, 0.3), (-0.1, 0.25)])
@@ -64,8 +76,35 @@ def test_a_tilted_row_has_a_linear_change_of_its_own():
     assert d.var() == pytest.approx(noise.variance(None), rel=2 * five)
 
 
-def test_a_window_has_the_rows_of_the_whole_frame():
-    noise = RowNoise(0.7, 0.2, 0.3, 0.4, 0.5)
+@pytest.mark.parametrize(
+    ("together", "alike"),
+    [("2x1", (0, 0, 1, 1, 2, 2, 3, 3)), ("4x1", (0,) * 4 + (1,) * 4), ("8x1", (0,) * 8),
+     ("2x2", (0, 1, 0, 1, 2, 3, 2, 3)), ("4x2", (0, 1) * 4)],
+)  # fmt: skip
+def test_rows_that_are_converted_together_share_an_offset(together, alike):
+    r = added(RowNoise(0.7, together=together), count=3, shape=(8192, 2))[:, :, 0]
+    r = r.reshape(3, -1, 8)
+    five = 6 / np.sqrt(r[:, :, 0].size)
+    across = np.mean(r[:, 1:, 0] * r[:, :-1, -1]) / 0.49
+    assert across == pytest.approx(0.0, abs=five)
+    for row in range(1, 8):
+        seen = np.mean(r[:, :, 0] * r[:, :, row]) / 0.49
+        if alike[row] == alike[0]:
+            np.testing.assert_allclose(r[:, :, 0], r[:, :, row], atol=1e-4)
+        else:
+            assert seen == pytest.approx(0.0, abs=five)
+
+
+def test_groups_of_rows_may_be_correlated_too():
+    r = added(RowNoise(0.7, serial=0.3, together="4x1"), count=3, shape=(8192, 2))[:, ::4, 0]
+    five = 6 / np.sqrt(r.size)
+    assert np.mean(r[:, 1:] * r[:, :-1]) / 0.49 == pytest.approx(0.3, abs=five)
+    assert np.mean(r[:, 2:] * r[:, :-2]) / 0.49 == pytest.approx(0.0, abs=five)
+
+
+@pytest.mark.parametrize("together", TOGETHER)
+def test_a_window_has_the_rows_of_the_whole_frame(together):
+    noise = RowNoise(0.7, 0.2, 0.3, 0.4, 0.5, together)
     whole = frames(noise, count=1, shape=(64, 6))
     for window in (Window(0, 9, 0, 6), Window(1, 20, 0, 6), Window(33, 64, 2, 5)):
         part = frames(noise, count=1, shape=(64, 6), window=window)

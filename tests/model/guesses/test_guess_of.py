@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from dnanalyze.model.effect import Effect
+from dnanalyze.model.effects.row_fpn import RowFpn
 from dnanalyze.model.effects.row_noise import RowNoise
 from dnanalyze.model.guesses import guess_of, white_lines
 from dnanalyze.model.registry import built_in
@@ -20,7 +21,7 @@ def test_an_effect_from_elsewhere_is_guessed_as_it_is_declared():
 
 def test_an_effect_derived_from_one_of_the_catalogue_is_guessed_like_it():
     @dataclass(frozen=True)
-    class Own(RowNoise):
+    class Own(RowFpn):
         name: ClassVar[str] = "own"
 
     assert guess_of(Own) is white_lines.guess
