@@ -83,7 +83,7 @@ class Strip:
     def update(self, what: str) -> None:
         """Draw what has changed."""
         self._number()
-        if what == "preview":
+        if what in ("preview", "error"):
             return
         self._said = said = verdict(self.context.session)
         first, rest = _folded(unbroken(said.text))
