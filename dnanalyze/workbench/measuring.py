@@ -24,6 +24,7 @@ from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.evaluation import Evaluation, exact, judged
+from dnanalyze.workbench.heap import give_back
 
 KEPT = 4  # evaluations held, some 10 MB each at 5 operating points of 512 x 512
 GONE_S = 5.0  # without a move and without word of its rest: the page with the slider is closed
@@ -223,6 +224,7 @@ class Measurements:
                 wanted = self._wanted
                 if wanted is None or self._closed.is_set():
                     self._working = False
+                    give_back()
                     return
             try:
                 found = self._refined(wanted)
