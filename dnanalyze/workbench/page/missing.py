@@ -12,7 +12,9 @@ import panel as pn
 import param
 from panel.custom import JSComponent
 
+from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.model.noise_model import model_from_plain
+from dnanalyze.model.registry import built_in
 from dnanalyze.report.leads import plain_name as in_words
 from dnanalyze.report.words import number, percent
 from dnanalyze.workbench.page.background import Latest
@@ -163,7 +165,8 @@ class Missing:
         self.verdict.object = f"<b>{words[found['verdict']]}</b>"
         parts = []
         if found["unexplained"]:
-            parts.append(_details("Statistics not explained", found["unexplained"]))
+            titles = [infos()[name].title for name in found["unexplained"]]
+            parts.append(_details("Statistics not explained", titles))
         if found["next_capture"]:
             parts.append(_details("Recommended captures", found["next_capture"]))
         if found["detection_limits"]:
@@ -227,6 +230,10 @@ class Missing:
         self._latest.ask(work, show, lambda error: session.tell(str(error)))
 
 
+# Single words, such as "denoise", are no code names in a sentence
+CODE_NAME = re.compile(rf"\b({'|'.join(n for n in built_in() if '_' in n)})\b")
+
+
 def evidence(candidates: Sequence[Any]) -> list[str]:
     """The most telling evidence of each candidate, and what it is confounded with.
 
@@ -237,7 +244,7 @@ def evidence(candidates: Sequence[Any]) -> list[str]:
     texts = []
     for c in candidates:
         name, first = in_words(c["effect"]), c["evidence"][0] if c["evidence"] else ""
-        text = unbroken(re.sub(rf"\b{c['effect']}\b", name, first))
+        text = unbroken(CODE_NAME.sub(lambda m: in_words(m[0]), first))
         misfit = text.partition("; with ")[0]
         if misfit in said:
             text = f"evidence as for {said[misfit]}"
