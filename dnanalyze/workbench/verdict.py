@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from dnanalyze.comparator.words import failures
+from dnanalyze.report.leads import worded
 from dnanalyze.report.words import SURE, closeness, number, percent, sentence, statistics_named
 from dnanalyze.workbench.session import WorkbenchSession
 
@@ -47,7 +48,8 @@ def verdict(session: WorkbenchSession) -> Verdict:
     if history is None or evaluation is None:
         return Verdict(sentence(session.stage), "wait")
     if history.present.error is None:
-        return Verdict(f"Computing the model error of the step “{history.present.title}”.", "wait")
+        step = worded(history.present.title)
+        return Verdict(f"Computing the model error of the step “{step}”.", "wait")
     node = history.present
     found = session.diagnosis
     if found is not None and found["node"] == node.number:

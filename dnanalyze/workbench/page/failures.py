@@ -18,6 +18,7 @@ from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.digits import minus, number, symbol
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.figures.heatmap import draw_families, draw_heatmap
+from dnanalyze.report.leads import worded
 from dnanalyze.report.words import family_title
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.page.context import Context
@@ -198,7 +199,7 @@ class Failures:
         """Name and families' errors of the model that the marks show."""
         node, wang = self.context.compared, self.context.session.baseline
         if node is not None:
-            return node.title, node.families
+            return worded(node.title), node.families
         return "Wang 2025 model", wang.families if wang else {}
 
     def _draw_matrix(self) -> None:

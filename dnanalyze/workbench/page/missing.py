@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,8 +13,8 @@ from panel.custom import JSComponent
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.model.noise_model import model_from_plain
-from dnanalyze.model.registry import built_in
 from dnanalyze.report.leads import plain_name as in_words
+from dnanalyze.report.leads import worded
 from dnanalyze.report.words import number, percent
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
@@ -230,10 +229,6 @@ class Missing:
         self._latest.ask(work, show, lambda error: session.tell(str(error)))
 
 
-# Single words, such as "denoise", are no code names in a sentence
-CODE_NAME = re.compile(rf"\b({'|'.join(n for n in built_in() if '_' in n)})\b")
-
-
 def evidence(candidates: Sequence[Any]) -> list[str]:
     """The most telling evidence of each candidate, and what it is confounded with.
 
@@ -244,7 +239,7 @@ def evidence(candidates: Sequence[Any]) -> list[str]:
     texts = []
     for c in candidates:
         name, first = in_words(c["effect"]), c["evidence"][0] if c["evidence"] else ""
-        text = unbroken(CODE_NAME.sub(lambda m: in_words(m[0]), first))
+        text = unbroken(worded(first))
         misfit = text.partition("; with ")[0]
         if misfit in said:
             text = f"evidence as for {said[misfit]}"
