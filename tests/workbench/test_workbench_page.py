@@ -352,6 +352,7 @@ def test_swiped_image_has_the_height_where_there_is_some(bench, enlarged):
         height = _box(bench, ".measured")[3]
         bench.click("swipe")
         bench.until(lambda: _box(bench, ".measured")[3] > 1.7 * height, "a high image")
+        assert _box(bench, ".measured")[2] > 1.9 * _box(bench, ".side")[2]
         bench.until(lambda: abs(bench.page.evaluate(SIDES) - 1) < 0.05, "square pixels")
     finally:
         bench.click("side by side")

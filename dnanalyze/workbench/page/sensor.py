@@ -433,6 +433,7 @@ GRID = """
 @container (min-height:700px) and (max-aspect-ratio:2) { :host {
   grid-template-columns:repeat(2, minmax(0, 1fr)); grid-template-rows:repeat(2, minmax(0, 1fr));
   --side:auto; --alone:1; --beside:2; --rows:1 / -1; }
+  :host(.alone) { grid-template-columns:minmax(0, 2fr) minmax(0, 1fr); }
   :host(.alone) .difference { display:none !important; } }
 .side { grid-column:var(--side); }
 :host(.alone) .measured { grid-column:var(--alone); grid-row:var(--rows); }
