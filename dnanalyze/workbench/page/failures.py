@@ -180,11 +180,11 @@ class Failures:
                 }
             )
         self.table.families = made
-        p = self.context.palette
+        legend = legend_of(marked, families, self.context.palette)
         text = (
             f"<h2>Where it fails {explained('family')} "
             f"<span style='font-weight:400;font-size:11px' class=quiet>"
-            f"<span style='color:{p.wang}'>▌</span>{html.escape(marked)}{self._share()}</span></h2>"
+            f"{legend}{self._share()}</span></h2>"
         )
         if self.title.object != text:
             self.title.object = text
@@ -260,6 +260,11 @@ class Failures:
             draw_families(left, evaluation.families, {}, evaluation.error)
             draw_heatmap(right, rows, MOST_ROWS)
         return made
+
+
+def legend_of(marked: str, families: Mapping[str, float], p: Palette) -> str:
+    """Whose errors the marks are; nothing where there are none, as for a model of the user's."""
+    return f"<span style='color:{p.wang}'>▌</span>{html.escape(marked)}" if families else ""
 
 
 def family_of_worst(rows: list[dict[str, Any]]) -> str:
