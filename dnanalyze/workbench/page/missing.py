@@ -117,6 +117,13 @@ class Missing:
             self._aged()
         elif what == "message":
             self._tick()  # a message often tells the end of a task
+            found = self.context.session.diagnosis
+            if found is not None and not found["finished"]:
+                self._unfinished()
+
+    def _unfinished(self) -> None:
+        rest = "goes on" if self.context.session.worker.runs("diagnose") else "was ended"
+        self.verdict.object = f"<span class=loading>Candidates so far; the search {rest}.</span>"
 
     def _tick(self) -> None:
         if self.list.drawn:  # a browser fails at a button that changes before it is drawn
@@ -151,9 +158,7 @@ class Missing:
         ]
         self._aged()
         if not found["finished"]:
-            self.verdict.object = (
-                "<span class=loading>Candidates so far; the search goes on.</span>"
-            )
+            self._unfinished()
             self.notes.object = ""
             return
         words = {
