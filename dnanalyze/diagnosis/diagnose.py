@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.baseline import (
     baseline_fitted,
@@ -338,7 +339,7 @@ def _leader(
             second = further
     if not left:
         return leader, left
-    worst = ", ".join(left[:3])
+    worst = "; ".join(infos()[name].title for name in left[:3])
     if second is not None:
         words = f"it does not explain {worst}, which {second.effect} in addition would correct"
         return replace(leader, evidence=[*leader.evidence, words], leaves=left), left

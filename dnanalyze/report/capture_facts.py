@@ -32,13 +32,25 @@ def known(captures: CaptureSet, key: str) -> list[float]:
     return [v for v in values if is_number(v)]
 
 
+def size(shape: tuple[int, int]) -> str:
+    """Rows × columns, the order of array shapes, of ``--shape`` and of every frame size stated.
+
+    Examples
+    --------
+    >>> from dnanalyze.report.capture_facts import size
+    >>> size((4000, 6000))
+    '4000 × 6000'
+    """
+    return f"{shape[0]} × {shape[1]}"
+
+
 def facts(captures: CaptureSet) -> dict[str, str]:
     """What to know of the captures, a word to a few words."""
     sensor = captures.sensor
     counts = sorted({len(s.frames) for s in captures.settings})
     each = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
     made = {
-        "frames": f"{captures.frame_count} of {sensor.shape[0]} × {sensor.shape[1]} pixels",
+        "frames": f"{captures.frame_count} of {size(sensor.shape)} pixels",
         "operating points": f"{len(captures.settings)}, {each} frame{'s' * (each != '1')} each",
         "temperature": spread(known(captures, "temperature_c"), "°C"),
         "exposure": spread(known(captures, "exposure_s"), "s"),
@@ -70,7 +82,7 @@ def about(captures: CaptureSet) -> str:
         named if channels else "",
         plural(len(captures.settings), "operating point"),
         spread(known(captures, "temperature_c"), "°C"),
-        f"{plural(captures.frame_count, 'frame')} of {sensor.shape[0]} × {sensor.shape[1]}",
+        f"{plural(captures.frame_count, 'frame')} of {size(sensor.shape)}",
     ]
     return ", ".join(p for p in parts if p)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from functools import cache
 from typing import TYPE_CHECKING
 
 from dnanalyze.model.registry import BASE, BASELINE
@@ -32,6 +34,27 @@ NOTHING = "No fault is visible in these captures"
 def plain_name(effect: str) -> str:
     """``column_fpn`` as a reader says it: column FPN."""
     return " ".join(CAPITALS.get(part, part) for part in effect.split("_"))
+
+
+@cache
+def _code_names() -> re.Pattern[str]:
+    """Of effects; a single word, such as denoise, is none, nor is the start of a parameter's."""
+    from dnanalyze.model.registry import built_in
+
+    names = "|".join(name for name in built_in() if "_" in name)
+    return re.compile(rf"\b({names})\b(?!\.\w)")
+
+
+def worded(text: str) -> str:
+    """A sentence with effects as a reader says them in place of their code names.
+
+    Examples
+    --------
+    >>> from dnanalyze.report.leads import worded
+    >>> worded("add row_noise"), worded("set row_noise.sigma")
+    ('add row noise', 'set row_noise.sigma')
+    """
+    return _code_names().sub(lambda found: plain_name(found[0]), text)
 
 
 def summary_of(effect: str) -> str:

@@ -90,9 +90,10 @@ def judged(
 ) -> Evaluation:
     """The full comparison of a model by the yardstick of the problem, whatever model that is of.
 
-    ``made``: the statistics of both simulated halves, where they are known.
+    ``made``: the statistics of the simulated halves, where they are known; of the half that is
+    fitted the shading alone is needed.
     """
-    made = made or problem.statistics(model)
+    made = made or problem.statistics(model, half=1)
     return _stated(problem, model, made[1], prediction(made, 1, problem.test))
 
 

@@ -78,6 +78,11 @@ class Worker:
         """The task asked for last, until it is over."""
         return self._waiting or self._running
 
+    def runs(self, kind: str) -> bool:
+        """Whether a task of a kind is under way, and not cancelled."""
+        job = self.job
+        return job is not None and job.task.kind == kind and not job.cancelled
+
     def start(
         self,
         task: Task,

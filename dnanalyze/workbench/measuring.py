@@ -7,24 +7,29 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import fields, replace
 from threading import Event, RLock, Thread
 from typing import Any
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics
 from dnanalyze.fitting.problem import FitProblem
-from dnanalyze.fitting.processes import Helpers
+from dnanalyze.fitting.processes import Helpers, travels
 from dnanalyze.fitting.simulated import Job, Part
 from dnanalyze.fitting.yardstick import REPLICATES
+from dnanalyze.loaders.captures import OperatingPoint
+from dnanalyze.model.effect import Effect
+from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.workbench.evaluation import Evaluation, exact, judged
+from dnanalyze.workbench.heap import give_back
 
 KEPT = 4  # evaluations held, some 10 MB each at 5 operating points of 512 x 512
 GONE_S = 5.0  # without a move and without word of its rest: the page with the slider is closed
 LOOK_S = 0.05  # between two looks whether it does
+CALIBRATED = {"dpc"}  # effects that look at frames of another temperature
 
 
 class Superseded(Exception):
@@ -33,6 +38,9 @@ class Superseded(Exception):
 
 class Interruptible(Helpers):
     """Threads that end a simulation at the next frame when it is no longer asked for.
+
+    Of the simulation of one half, operating points that a model shares with the one before are not
+    simulated again: a slider mostly moves a number of one of them.
 
     Parameters
     ----------
@@ -43,6 +51,7 @@ class Interruptible(Helpers):
     def __init__(self, over: Callable[[], bool]) -> None:
         super().__init__()
         self._over = over
+        self._last: dict[Hashable, list[SettingStatistics]] = {}
 
     def statistics(
         self, jobs: Sequence[Job], memo: Memo
@@ -58,17 +67,50 @@ class Interruptible(Helpers):
 
     def _parts(self, job: Job, memo: Memo) -> dict[Part, list[SettingStatistics]]:
         parts = job.parts()
+        keys = {part: _key(job, part) for part in parts}
+        known = {} if job.half is None else self._last
+        left = [part for part in parts if keys[part] not in known]
 
         def one(part: Part) -> list[SettingStatistics]:
             self._look()
             return job.statistics([part], memo, progress=self._look)[0]
 
         with ThreadPoolExecutor(job.threads) as pool:
-            return dict(zip(parts, pool.map(one, parts), strict=True))
+            made = dict(zip(left, pool.map(one, left), strict=True))
+        found = {part: made[part] if part in made else known[keys[part]] for part in parts}
+        if job.half is not None:
+            self._last = {keys[part]: seen for part, seen in found.items()}
+        return found
 
     def _look(self, *_: Any) -> None:
         if self._over():
             raise Superseded
+
+
+def _key(job: Job, part: Part) -> Hashable:
+    """What the statistics of a part depend on."""
+    point, frames = job.settings[part[0]]
+    return seen_at(job.model, point), point, frames, part[1], job.half, job.even, job.errors
+
+
+def seen_at(model: NoiseModel, point: OperatingPoint) -> Hashable:
+    """What the frames of an operating point depend on: not on other entries of a table.
+
+    A calibration, or an effect of the user's, may ask for other operating points.
+    """
+    if CALIBRATED & set(model.names) or not travels(model):
+        return model
+    there = point, model.reference_of(point.channel)
+
+    def local(law: Any) -> Any:
+        return tuple(law.at(p) for p in there) if isinstance(law, TableLaw) else law
+
+    effects = tuple((type(e), *map(local, _numbers(e))) for e in model.effects)
+    return local(model.pedestal), effects, replace(model, effects=(), pedestal=0.0)
+
+
+def _numbers(effect: Effect) -> list[Any]:
+    return [getattr(effect, f.name) for f in fields(effect)]
 
 
 class Measurements:
@@ -182,6 +224,7 @@ class Measurements:
                 wanted = self._wanted
                 if wanted is None or self._closed.is_set():
                     self._working = False
+                    give_back()
                     return
             try:
                 found = self._refined(wanted)

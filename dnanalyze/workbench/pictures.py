@@ -16,6 +16,7 @@ from dnanalyze.model.simulator import Simulator
 from dnanalyze.report.fields import side_of
 from dnanalyze.workbench import frames
 from dnanalyze.workbench.frames import Outliers, View
+from dnanalyze.workbench.heap import give_back
 from dnanalyze.workbench.places import Places, kind_of, places
 from dnanalyze.workbench.tiles import aligned, tiled
 
@@ -24,6 +25,7 @@ SIMULATED = 128 << 20  # bytes of tiles kept: an image of 32 million pixels, or 
 FIELDS = 32 << 20  # bytes kept of what the frames of a tile have in common
 THUMBNAIL = 96, 128  # pixels
 MOST_OUTLIERS = 2000  # that are drawn of a picture
+LARGE = 1 << 22  # pixels of a simulated image that leaves much free memory
 
 
 @dataclass(frozen=True)
@@ -138,7 +140,10 @@ class Pictures:
         def kept(tile: Window) -> np.ndarray:
             return self._tiles.once((view, model, side, tile), lambda: made(tile))
 
-        return tiled(window, side, shape, kept)
+        found = tiled(window, side, shape, kept)
+        if math.prod(window.shape) >= LARGE:
+            give_back()
+        return found
 
     def clear(self) -> None:
         """Keep no image."""

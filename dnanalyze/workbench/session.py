@@ -203,8 +203,14 @@ class WorkbenchSession:
     def adopt(self, model: NoiseModel, action: str) -> None:
         """A model that was set by hand as a new node."""
         self._put(model, action)
-        self.changed("history")
-        self._measure()
+        if not action.startswith(MOVED):
+            self.changed("history")
+            self._measure()
+            return
+        try:
+            self._measure()
+        finally:  # a slider shows its model already: drawing the history would delay the error
+            self.changed("history")
 
     def _put(self, model: NoiseModel, action: str) -> None:
         """A new node whose error is not known yet; the last one, where a slider moves on."""

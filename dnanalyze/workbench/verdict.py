@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from dnanalyze.comparator.words import failures
+from dnanalyze.report.leads import worded
 from dnanalyze.report.words import SURE, closeness, number, percent, sentence, statistics_named
 from dnanalyze.workbench.session import WorkbenchSession
 
@@ -47,10 +48,13 @@ def verdict(session: WorkbenchSession) -> Verdict:
     if history is None or evaluation is None:
         return Verdict(sentence(session.stage), "wait")
     if history.present.error is None:
-        return Verdict(f"Computing the model error of the step “{history.present.title}”.", "wait")
+        step = worded(history.present.title)
+        return Verdict(f"Computing the model error of the step “{step}”.", "wait")
     node = history.present
     found = session.diagnosis
     if found is not None and found["node"] == node.number:
+        if not found["finished"]:
+            return _unfinished(found | {"error": node.error}, session.worker.runs("diagnose"))
         return _diagnosed(found | {"error": node.error})  # a search states that of its own start
     if (answer := session.answers.get(node.number)) is not None:
         return _answered(answer)
@@ -59,19 +63,23 @@ def verdict(session: WorkbenchSession) -> Verdict:
     return Verdict(said, "bad" if worst else "open", "diagnose")
 
 
+def _unfinished(found: dict[str, Any], goes_on: bool) -> Verdict:
+    """What a diagnosis has found so far, or had when it was ended."""
+    best = next((c for c in found["candidates"] if c["effect"] not in found["ordinary"]), None)
+    if best is None:
+        return Verdict("No candidate is confirmed yet.", "open")
+    rest = "are still being tested" if goes_on else "were not tested"
+    return Verdict(
+        f"Best so far: {{{best['effect']}}}, with it the model error is "
+        f"{number(best['error_after'])}. Other candidates {rest}.",
+        "open", "add", best["effect"], found["error"], best["error_after"],
+    )  # fmt: skip
+
+
 def _diagnosed(found: dict[str, Any]) -> Verdict:
-    """The verdict of a diagnosis, or of what it has found so far."""
+    """The verdict of a diagnosis."""
     candidates, ordinary = found["candidates"], found["ordinary"]
     others = [c for c in candidates if c["effect"] not in ordinary]
-    if not found["finished"]:
-        if not others:
-            return Verdict("No candidate is confirmed yet.", "open")
-        best = others[0]
-        return Verdict(
-            f"Best so far: {{{best['effect']}}}, with it the model error is "
-            f"{number(best['error_after'])}. Other candidates are still being tested.",
-            "open", "add", best["effect"], found["error"], best["error_after"],
-        )  # fmt: skip
     if found["verdict"] == "adequate":
         return Verdict(_adequate(found.get("classifier", "")), "good")
     if found["verdict"] == "missing" and candidates:

@@ -133,7 +133,7 @@ def _open(bed: Bed, task: Task, tell: Tell) -> dict[str, Any]:
     return {
         "problem": problem,
         "model": model.to_plain(),
-        "simulated": problem.statistics(model),
+        "simulated": problem.statistics(model, half=1),
     }
 
 

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from report_fakes import POINTS, diagnosis, refinement
 
+from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.fitting.level import Level
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report import words
@@ -251,3 +252,9 @@ def test_sentences_keep_the_names_of_effects():
     assert words.sentence("column_fpn: stripes") == "column_fpn: stripes."
     assert words.sentence("stripes!") == "Stripes!"
     assert words.sentence("") == ""
+
+
+def test_titles_of_statistics_are_words_without_an_article():
+    """They stand in sentences, lists and at the heads of tables."""
+    titles = [info.title for info in catalogue().values()]
+    assert [t for t in titles if "_" in t or re.match("(the|a|an) ", t, re.IGNORECASE)] == []

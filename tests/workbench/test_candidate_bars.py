@@ -17,11 +17,11 @@ def test_evidence_that_candidates_share_is_stated_of_the_first():
         _candidate("column_fpn", "striped", confused_with=("column_gain",)),
         _candidate("read_noise", dark.format("read_noise")),
         _candidate("pixel_fpn", dark.format("pixel_fpn")),
-        _candidate("rts"),
+        _candidate("rts", "it leaves the row means, which row_noise in addition would correct"),
     ]
     assert [text.replace("\N{NO-BREAK SPACE}", " ") for text in evidence(shown)] == [
         "striped · confounded with column gain",
         dark.format("read noise"),
         "evidence as for read noise",
-        "",
+        "it leaves the row means, which row noise in addition would correct",
     ]

@@ -6,7 +6,8 @@ from dnanalyze.loaders.captures import OperatingPoint
 
 pytest.importorskip("panel")
 
-from dnanalyze.workbench.page.failures import _key
+from dnanalyze.workbench.page.failures import _key, legend_of
+from dnanalyze.workbench.page.style import LIGHT
 
 
 def _row(name, plane="", **point):
@@ -28,3 +29,8 @@ def test_a_cell_names_its_statistic_and_place():
     ]
     assert len({_key(r) for r in rows}) == len(rows)
     assert _key(rows[0]) == _key(_row("mean", **one))
+
+
+def test_marks_that_are_not_there_have_no_legend():
+    assert legend_of("Wang 2025 model", {}, LIGHT) == ""
+    assert "Wang 2025 model" in legend_of("Wang 2025 model", {"codes": 2.0}, LIGHT)

@@ -12,8 +12,9 @@ import dnanalyze
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.model.memo import Memo
+from dnanalyze.model.registry import built_in
 from dnanalyze.workbench.evaluation import judged
-from dnanalyze.workbench.measuring import Interruptible, Measurements, Superseded
+from dnanalyze.workbench.measuring import Interruptible, Measurements, Superseded, seen_at
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +39,44 @@ def test_parts_taken_one_by_one_are_the_same_simulation(problem, fitted):
             assert {n: v.value for n, v in a.values.items()} == pytest.approx(
                 {n: v.value for n, v in b.values.items()}, nan_ok=True
             )
+
+
+def moved_at(model, setting, factor=1.3):
+    """The model with one entry of its table of mu changed."""
+    effect = model.get("convolved_lognormal")
+    values = list(effect.mu.values)
+    values[setting] *= factor
+    return model.with_effect(replace(effect, mu=replace(effect.mu, values=tuple(values))))
+
+
+def with_dpc(model):
+    return model.with_effect(built_in()["dpc"]())
+
+
+@pytest.mark.parametrize("changed", [lambda m: m, with_dpc])
+def test_an_error_after_others_is_the_one_that_is_simulated_anew(problem, fitted, changed):
+    measurements = made(problem)
+    for setting in (0, 1, 0):
+        model = changed(moved_at(fitted, setting))
+        found, anew = measurements.now(model), judged(problem, model)
+        assert np.array_equal(found.predicted, anew.predicted, equal_nan=True)
+
+
+def test_an_operating_point_is_another_where_its_own_entry_of_a_table_is(fitted):
+    first, last = (fitted.get("convolved_lognormal").mu.points[i] for i in (0, -1))
+    other = moved_at(fitted, 0)
+    assert seen_at(other, last) == seen_at(fitted, last)
+    assert seen_at(other, first) != seen_at(fitted, first)
+    assert seen_at(replace(fitted, seed=9), last) != seen_at(fitted, last)
+    assert seen_at(with_dpc(other), last) != seen_at(with_dpc(fitted), last)  # it may calibrate
+
+
+def test_the_half_that_is_fitted_adds_its_shading_alone_to_the_error(problem, fitted):
+    assert np.array_equal(
+        judged(problem, fitted).predicted,
+        judged(problem, fitted, problem.statistics(fitted)).predicted,
+        equal_nan=True,
+    )
 
 
 def test_a_simulation_ends_within_a_part_once_it_is_no_longer_asked_for(problem, fitted):

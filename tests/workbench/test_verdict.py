@@ -86,9 +86,16 @@ def test_baseline_effects_alone_are_added_together():
 
 def test_candidates_so_far_can_be_added_before_the_search_ends():
     found = _diagnosis("missing", [_candidate("rts", 0.4, 2.0)], finished=False)
-    said = verdict(_session(diagnosis=found))
+    said = verdict(_session(diagnosis=found, worker=SimpleNamespace(runs=lambda kind: True)))
     assert said.text.startswith("Best so far: {rts}")
+    assert said.text.endswith("are still being tested.")
     assert (said.action, said.effect) == ("add", "rts")
+
+
+def test_candidates_of_a_search_that_was_ended_are_not_said_to_be_tested():
+    found = _diagnosis("missing", [_candidate("rts", 0.4, 2.0)], finished=False)
+    said = verdict(_session(diagnosis=found, worker=SimpleNamespace(runs=lambda kind: False)))
+    assert said.text.endswith("Other candidates were not tested.")
 
 
 def test_an_unexplained_residual_names_its_statistics():

@@ -119,6 +119,13 @@ def test_a_preview_of_the_present_model_is_its_error(session):
     assert session.preview(session.present.model).error == pytest.approx(session.present.error)
 
 
+def test_a_slider_s_error_is_told_before_its_step_in_the_history(session):
+    told = []
+    session.listeners.append(told.append)
+    set_value(session, "convolved_lognormal.delta[1]", 1.1)
+    assert told.index("evaluation") < told.index("history")
+
+
 def test_an_error_is_stated_at_once_and_is_exact_by_the_model_s_own_yardstick(session, folder):
     """At once by the model before's: that of the same differences until its own is known."""
     told = []

@@ -28,8 +28,8 @@ def _outliers(kind: str) -> tuple[StatisticInfo, ...]:
 def _share(name: str, title: str, why: str) -> StatisticInfo:
     return StatisticInfo(
         name, _FAMILY, "1", title,
-        high=f"{title} is larger than in the model: {why}",
-        low=f"{title} is smaller than in the model",
+        high=f"the {title} is larger than in the model: {why}",
+        low=f"the {title} is smaller than in the model",
     )  # fmt: skip
 
 
@@ -79,16 +79,16 @@ INFOS: tuple[StatisticInfo, ...] = (
     *(
         _share(
             f"column_periodic_{p}",
-            f"the share of column variance with period {p}",
+            f"share of column variance with period {p}",
             "readout chains or a clock repeat every so many columns",
         )
         for p in (2, 3, 4, 8)
     ),
-    _share("row_periodic_2", "the share of row variance with period 2", "odd and even rows differ"),
+    _share("row_periodic_2", "share of row variance with period 2", "odd and even rows differ"),
     *(
         _share(
             f"column_taps_{p}",
-            f"the share of column variance that is steps between {p} equal taps",
+            f"share of column variance that is steps between {p} equal taps",
             "the readout taps have different offsets",
         )
         for p in (2, 4, 8)

@@ -80,9 +80,9 @@ def _lines_of(part: str, of: str) -> Iterator[StatisticInfo]:
         "wave would be: rings, a chirp, a beat, or a part of the field",
     )  # fmt: skip
     yield from _placed(f"{part}_line", f"the strongest peak {of}")
-    name, what = f"{part}_axis_line", f"the strongest peak {of} of whole rows or columns"
+    name, what = f"{part}_axis_line", f"strongest peak {of} of whole rows or columns"
     yield _told(name, "1", f"{what}, over its surroundings", Scale.LOG)
-    yield from _placed(name, what)
+    yield from _placed(name, f"the {what}")
 
 
 def _placed(name: str, what: str) -> Iterator[StatisticInfo]:

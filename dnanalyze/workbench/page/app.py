@@ -12,6 +12,7 @@ import panel as pn
 import param
 from panel.custom import JSComponent
 
+from dnanalyze.report.capture_facts import size
 from dnanalyze.report.words import plural
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.failures import Failures
@@ -60,7 +61,7 @@ def page(
     areas = {"bar": bar.view, "strip": strip.view, "fails": failures.view}
     areas |= {name: _pane(context.palette) for name in later}
 
-    def tell(what: str) -> None:
+    def tell(what: str, said: str = "") -> None:
         known, draft = session.evaluation, context.draft
         if what == "draft":
             if draft is not None or session.draft is None:
@@ -72,9 +73,11 @@ def page(
             and draft in (None, known.model)
         ):
             context.shown = known
-        context.tell(what)
+        context.tell(said or what)
 
     def listener(what: str) -> None:
+        if what in ("evaluation", "yardstick"):  # first the error alone: a browser draws the panes
+            context.back(lambda: tell(what, "error"))  # for ten times as long
         context.back(lambda: tell(what))
 
     def begin() -> None:
@@ -142,10 +145,10 @@ class TopBar:
     def __init__(self, context: Context, query: str, others: Mapping[str, str]) -> None:
         style = [inner(context.palette)]
         captures = context.session.captures
-        rows, columns = captures.sensor.shape
         where = html.escape(Path(captures.name).name)
         facts = (
-            f"{plural(captures.frame_count, 'frame')} of {columns} × {rows} pixels, "
+            f"{plural(captures.frame_count, 'frame')} of <span title='rows × columns'>"
+            f"{size(captures.sensor.shape)}</span> pixels, "
             f"{plural(len(captures.settings), 'operating point')}"
         )
         if captures.notes:

@@ -17,7 +17,7 @@ from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.style import Palette
 from dnanalyze.workbench.session import WorkbenchSession
 
-LIVE = ("preview", "compared")  # news while a slider moves: no model of the page is exchanged
+LIVE = ("preview", "compared", "error")  # news for which no model of the page is exchanged
 
 
 @dataclass

@@ -18,6 +18,7 @@ from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.digits import minus, number, symbol
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.report.figures.heatmap import draw_families, draw_heatmap
+from dnanalyze.report.leads import worded
 from dnanalyze.report.words import family_title
 from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.page.context import Context
@@ -179,11 +180,11 @@ class Failures:
                 }
             )
         self.table.families = made
-        p = self.context.palette
+        legend = legend_of(marked, families, self.context.palette)
         text = (
             f"<h2>Where it fails {explained('family')} "
             f"<span style='font-weight:400;font-size:11px' class=quiet>"
-            f"<span style='color:{p.wang}'>▌</span>{html.escape(marked)}{self._share()}</span></h2>"
+            f"{legend}{self._share()}</span></h2>"
         )
         if self.title.object != text:
             self.title.object = text
@@ -198,7 +199,7 @@ class Failures:
         """Name and families' errors of the model that the marks show."""
         node, wang = self.context.compared, self.context.session.baseline
         if node is not None:
-            return node.title, node.families
+            return worded(node.title), node.families
         return "Wang 2025 model", wang.families if wang else {}
 
     def _draw_matrix(self) -> None:
@@ -259,6 +260,11 @@ class Failures:
             draw_families(left, evaluation.families, {}, evaluation.error)
             draw_heatmap(right, rows, MOST_ROWS)
         return made
+
+
+def legend_of(marked: str, families: Mapping[str, float], p: Palette) -> str:
+    """Whose errors the marks are; nothing where there are none, as for a model of the user's."""
+    return f"<span style='color:{p.wang}'>▌</span>{html.escape(marked)}" if families else ""
 
 
 def family_of_worst(rows: list[dict[str, Any]]) -> str:

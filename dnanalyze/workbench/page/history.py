@@ -16,6 +16,7 @@ from panel.custom import JSComponent
 from PIL import Image
 
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.report.leads import worded
 from dnanalyze.report.words import number
 from dnanalyze.workbench import exports, frames
 from dnanalyze.workbench.history import History, Node, effects_apart
@@ -145,7 +146,7 @@ class HistoryPane:
                 "lane": places[n.number][1],
                 "title": _short(n),
                 "error": _error(n) or "…",
-                "tip": f"{n.title}: model error {_error(n) or 'being computed'}",
+                "tip": f"{worded(n.title)}: model error {_error(n) or 'being computed'}",
                 "present": n.number == history.at,
                 "image": self._images.get(n.model, ""),
             }
@@ -219,7 +220,7 @@ def _short(node: Node) -> str:
     title = node.title.replace("Wang 2025 model, ", "Wang 2025 ").replace("add ", "+ ")
     if title.startswith("+ baseline"):
         title = "+ baseline"
-    return title
+    return worded(title)
 
 
 def _error(node: Node) -> str:
@@ -234,7 +235,7 @@ def _line(node: Node) -> str:
     below = (
         "" if node.parent is None or node.parent == node.number - 1 else f" (from {node.parent})"
     )
-    return f"{node.number} {node.title}{below}{error}"
+    return f"{node.number} {worded(node.title)}{below}{error}"
 
 
 def _png(image: np.ndarray, low: float, high: float) -> str:

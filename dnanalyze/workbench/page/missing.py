@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,10 @@ import panel as pn
 import param
 from panel.custom import JSComponent
 
+from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.model.noise_model import model_from_plain
 from dnanalyze.report.leads import plain_name as in_words
+from dnanalyze.report.leads import worded
 from dnanalyze.report.words import number, percent
 from dnanalyze.workbench.page.background import Latest
 from dnanalyze.workbench.page.context import Context
@@ -116,6 +117,13 @@ class Missing:
             self._aged()
         elif what == "message":
             self._tick()  # a message often tells the end of a task
+            found = self.context.session.diagnosis
+            if found is not None and not found["finished"]:
+                self._unfinished()
+
+    def _unfinished(self) -> None:
+        rest = "goes on" if self.context.session.worker.runs("diagnose") else "was ended"
+        self.verdict.object = f"<span class=loading>Candidates so far; the search {rest}.</span>"
 
     def _tick(self) -> None:
         if self.list.drawn:  # a browser fails at a button that changes before it is drawn
@@ -150,9 +158,7 @@ class Missing:
         ]
         self._aged()
         if not found["finished"]:
-            self.verdict.object = (
-                "<span class=loading>Candidates so far; the search goes on.</span>"
-            )
+            self._unfinished()
             self.notes.object = ""
             return
         words = {
@@ -163,7 +169,8 @@ class Missing:
         self.verdict.object = f"<b>{words[found['verdict']]}</b>"
         parts = []
         if found["unexplained"]:
-            parts.append(_details("Statistics not explained", found["unexplained"]))
+            titles = [infos()[name].title for name in found["unexplained"]]
+            parts.append(_details("Statistics not explained", titles))
         if found["next_capture"]:
             parts.append(_details("Recommended captures", found["next_capture"]))
         if found["detection_limits"]:
@@ -237,7 +244,7 @@ def evidence(candidates: Sequence[Any]) -> list[str]:
     texts = []
     for c in candidates:
         name, first = in_words(c["effect"]), c["evidence"][0] if c["evidence"] else ""
-        text = unbroken(re.sub(rf"\b{c['effect']}\b", name, first))
+        text = unbroken(worded(first))
         misfit = text.partition("; with ")[0]
         if misfit in said:
             text = f"evidence as for {said[misfit]}"

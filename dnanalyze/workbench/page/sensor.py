@@ -425,16 +425,20 @@ class Sensor:
 GRID = """
 :host { display:grid !important; grid-template-columns:repeat(3, minmax(0, 1fr)) minmax(0, 1.15fr);
   grid-template-rows:minmax(0, 1fr); gap:6px; min-height:0;
-  --alone:1 / span 3; --side:auto; --below:auto; }
+  --side:auto; --alone:auto; --beside:3 / -1; --rows:auto; }
 @container (max-width:1260px) { :host { grid-template-columns:repeat(3, minmax(0, 1fr));
   grid-template-rows:minmax(0, 1fr) minmax(0, 0.85fr);
-  --alone:1 / -1; --side:1 / -1; --below:1 / -1; } }
+  --side:1 / -1; --alone:1 / span 2; --beside:3; --rows:1 / -1; }
+  :host(.alone) .difference { display:none !important; } }
 @container (min-height:700px) and (max-aspect-ratio:2) { :host {
   grid-template-columns:repeat(2, minmax(0, 1fr)); grid-template-rows:repeat(2, minmax(0, 1fr));
-  --alone:1 / -1; --side:auto; --below:1 / -1; } }
+  --side:auto; --alone:1; --beside:2; --rows:1 / -1; }
+  :host(.alone) { grid-template-columns:minmax(0, 2fr) minmax(0, 1fr); }
+  :host(.alone) .difference { display:none !important; } }
 .side { grid-column:var(--side); }
-:host(.alone) .measured { grid-column:var(--alone); }
-:host(.alone) .side { grid-column:var(--below); }
-:host(.alone) .simulated, :host(.alone) .difference { display:none !important; }
+:host(.alone) .measured { grid-column:var(--alone); grid-row:var(--rows); }
+:host(.alone) .side { grid-column:var(--beside); grid-row:var(--rows); }
+:host(.alone) .simulated { display:none !important; }
 """  # in a row; the histogram below the images where it is narrow; two by two where it is high;
+# swiped or blinking, one image is as high as there is room, with the difference beside it in a row;
 # one change of a class places all at once: Bokeh keeps sizes from between two changes

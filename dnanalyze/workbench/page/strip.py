@@ -8,6 +8,7 @@ from typing import Any
 
 import panel as pn
 
+from dnanalyze.report.leads import worded
 from dnanalyze.report.words import number
 from dnanalyze.workbench.page.context import Context
 from dnanalyze.workbench.page.points import unbroken
@@ -83,7 +84,7 @@ class Strip:
     def update(self, what: str) -> None:
         """Draw what has changed."""
         self._number()
-        if what == "preview":
+        if what in ("preview", "error"):
             return
         self._said = said = verdict(self.context.session)
         first, rest = _folded(unbroken(said.text))
@@ -155,7 +156,7 @@ class Strip:
             if left is not None:
                 text += f", about {left:.0f} s left"
             if job.first and not job.background:
-                text += f" · <span class=quiet>{html.escape(job.first)}</span>"
+                text += f" · <span class=quiet>{html.escape(worded(job.first))}</span>"
         elif session.evaluation is None and not session.message:
             text = "<progress></progress>"
         if text != self.progress.object:
