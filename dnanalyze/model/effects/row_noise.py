@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -87,11 +87,12 @@ class RowNoise(Effect):
     def relatives(self) -> list[Effect]:
         """Rows that are correlated with either neighbour, alternate along the row, or tilt."""
         correlated = self.serial != 0 or self.serial2 != 0
-        return [
-            replace(self, **{n: r})
+        changes: list[dict[str, Any]] = [
+            {n: r}
             for n, r in RELATED
             if getattr(self, n) == 0 and not (correlated and n.startswith("serial"))
         ]
+        return [replace(self, **change) for change in changes]
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""

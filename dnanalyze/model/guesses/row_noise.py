@@ -31,7 +31,7 @@ LEAST = 1e-3  # of the mean power: pixels alone have more at every frequency
 
 def guess(effect: type[RowNoise], clues: Clues) -> list[Effect]:
     """Sigma from the unexplained power of the rows; groups where the spectrum is that of groups."""
-    found = white_lines.guess(effect, clues)
+    found = [each for each in white_lines.guess(effect, clues) if isinstance(each, RowNoise)]
     together = rows_together(clues) if found else TOGETHER[0]
     return [replace(each, together=together) for each in found]
 
