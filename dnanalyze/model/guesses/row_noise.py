@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import median_filter
-from scipy.optimize import nnls
 
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
@@ -25,8 +24,8 @@ NEAR, LINE = 9, 6.0  # modes, and times their median: what is stronger is a line
 # Other spectra of rows that are alike: none, neighbours (autoregressive, 1/f), two rows apart
 ALIKE = (-0.8, -0.5, -0.2, 0.2, 0.5, 0.8, 0.95)
 SLOPES = (0.5, 1.0, 1.5)
-ROUNDS = 3  # of the weights, which settle within a percent
-LEAST = 1e-3  # of the mean power: pixels alone have more at every frequency
+# Share of the pixels, whose noise is white, in steps of a factor of 1.3
+WHITE = np.geomspace(1e-4, 1.0, 36)
 
 
 def guess(effect: type[RowNoise], clues: Clues) -> list[Effect]:
@@ -76,14 +75,11 @@ def kernel(v: np.ndarray, rows: int, banks: int) -> np.ndarray:
 
 
 def deviance(power: np.ndarray, shape: np.ndarray, repeats: int) -> float:
-    """Gamma deviance of spectra, means of ``repeats``, from the nearest a + b shape; a, b >= 0."""
-    basis = np.stack([np.ones_like(shape), np.maximum(shape, 0.0)], 1)
-    expected = np.full_like(power, power.mean())
-    for _ in range(ROUNDS):
-        found, _ = nnls(basis / expected[:, None], power / expected)
-        expected = np.maximum(basis @ found, LEAST * power.mean())
-    ratio = power / expected
-    return float(2.0 * repeats * np.sum(ratio - 1.0 - np.log(ratio)))
+    """Gamma deviance of a mean of ``repeats`` spectra from the nearest a + b shape; a, b >= 0."""
+    white = WHITE[:, None]
+    ratio = power / (white + (1.0 - white) * np.maximum(shape, 0.0) / shape.mean())
+    ratio /= ratio.mean(axis=1, keepdims=True)  # the most likely size of either mixture
+    return float(2.0 * repeats * np.sum(ratio - 1.0 - np.log(ratio), axis=1).min())
 
 
 def _others(v: np.ndarray) -> list[np.ndarray]:
