@@ -64,6 +64,15 @@ def descending(steps: Sequence[Step]) -> list[Step]:
     return made
 
 
+def last_change(steps: Sequence[Step]) -> int:
+    """Number of steps of the last change: two of an exchange, which share their error."""
+    if len(steps) < 3:
+        return 1
+    gone, come = steps[-2:]
+    removed, added = (str(s.added).startswith("-") for s in (gone, come))
+    return 2 if removed and not added and gone.error == come.error else 1
+
+
 @dataclass(frozen=True)
 class Addition:
     """An effect that may be added, and the model that has it.

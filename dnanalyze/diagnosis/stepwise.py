@@ -42,6 +42,7 @@ from dnanalyze.diagnosis.search_path import (
     SearchLimits,
     descending,
     falling,
+    last_change,
 )
 from dnanalyze.diagnosis.selection import (
     DEFLATION,
@@ -401,8 +402,9 @@ class Search:
     def _converged(self, path: Path) -> Path:
         """Everything at its optimum, and what is then superfluous gone.
 
-        The error of the last step, which the baseline effects share, is that of the new state; an
-        effect that raises it is taken out (`_undone`). A fit with which the error rises is not
+        The error of the last step, which the baseline effects and the other step of an exchange
+        share, is that of the new state; an effect that raises it, from the step before that change,
+        is taken out (`_undone`). A fit with which the error rises is not
         taken: the loss of one simulated sensor has several minima along parameters of which the
         fitted half shows little, such as those of a glow in a corner of the other half.
         """
@@ -413,32 +415,37 @@ class Search:
         error, last = self._error(state), path.steps[-1]
         if way(path.error, error) == "rises":
             state, error = path.state, path.error
+        count = last_change(path.steps)
         steps = [
             replace(s, error=error, model=state.model)
             if s is last or (s.added in BASELINE and s.model is last.model)
             else s
             for s in path.steps
         ]
+        steps[-count] = replace(steps[-count], error=error)
         refused = path.refused if state is path.state else ()
         path = replace(path, state=state, steps=tuple(steps), converged=True, refused=refused)
         last = steps[-1]
-        if last.added in self._added(state) and last.error > steps[-2].error:
+        if last.added in self._added(state) and last.error > steps[-1 - count].error:
             return self._converged(self._undone(path))
         self._kept(path)
         return self._reduced(path)
 
     def _undone(self, path: Path) -> Path:
-        """The model before the last effect, whose step is none."""
-        last, before = path.steps[-1], path.steps[-2]
+        """The model before the last effect, whose step, or exchange, is none."""
+        count = last_change(path.steps)
+        before, name = path.steps[-1 - count], path.steps[-1].added
         model = before.model
         assert model is not None
-        assert last.added is not None
-        self.on_step(Step(f"-{last.added}", before.error, model=model))
+        assert name is not None
+        gone = [] if count == 1 else [str(path.steps[-2].added).removeprefix("-")]
+        for undone in (f"-{name}", *gone):
+            self.on_step(Step(undone, before.error, model=model))
         return replace(
             path,
             state=start(self.problem, model),
-            steps=path.steps[:-1],
-            dropped=(*path.dropped, last.added),
+            steps=path.steps[:-count],
+            dropped=(*path.dropped, name),
             converged=False,
         )
 

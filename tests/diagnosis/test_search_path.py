@@ -3,7 +3,7 @@
 import pytest
 
 from dnanalyze.diagnosis.results import Step
-from dnanalyze.diagnosis.search_path import descending, falling
+from dnanalyze.diagnosis.search_path import descending, falling, last_change
 
 
 def test_baseline_effects_that_raise_the_error_enter_with_the_first_that_lowers_it():
@@ -27,3 +27,18 @@ def test_falling_steps_stay_as_they_are():
 )
 def test_errors_fall_where_none_exceeds_the_one_before(errors, expected):
     assert falling(errors) is expected
+
+
+@pytest.mark.parametrize(
+    ("names", "errors", "count"),
+    [
+        ((None, "rts"), (4.0, 2.0), 1),
+        ((None, "-rts", "persistence"), (4.0, 2.0, 2.0), 2),
+        ((None, "-rts", "persistence"), (4.0, 3.0, 2.0), 1),  # a backward step, then an addition
+        ((None, "-rts", "-persistence"), (4.0, 2.0, 2.0), 1),
+        ((None, "rts", "persistence"), (4.0, 2.0, 2.0), 1),
+    ],
+)
+def test_an_exchange_is_one_change(names, errors, count):
+    steps = [Step(name, error) for name, error in zip(names, errors, strict=True)]
+    assert last_change(steps) == count

@@ -181,6 +181,29 @@ def test_an_effect_that_raises_the_error_at_the_optimum_is_no_step(problem, with
     assert path.error <= max(steps[0].error, search._error(path.state))
 
 
+def test_an_exchange_is_compared_with_the_step_before_it(problem, with_rows):
+    """The last fit raises the error that both of its steps have, by less than its scatter."""
+    state, error = with_rows
+    steps = (Step(None, 2.0 * error), *(Step(n, 0.97 * error) for n in ("-column_fpn", "row_fpn")))
+    path = Search(problem, ROWS)._converged(Path(state, steps, converged=False))
+    assert [s.added for s in path.steps] == [None, "-column_fpn", "row_fpn"]
+    assert path.state.model.get("row_fpn") is not None
+    assert path.error == pytest.approx(FittedModel.of(problem, path.state).error)
+    assert path.steps[1].error == path.error > 0.97 * error
+
+
+def test_an_exchange_that_raises_the_error_is_undone_whole(problem, with_rows):
+    state, error = with_rows
+    model, told = state.model.without("row_fpn"), []
+    exchange = (Step(n, 0.98 * error) for n in ("-column_fpn", "row_fpn"))
+    steps = (Step(None, 0.97 * error, model=model), *exchange)
+    search = Search(problem, ROWS, on_step=told.append)
+    path = search._converged(Path(state, steps, converged=False))
+    assert [s.added for s in path.steps] == [None]
+    assert [s.added for s in told] == ["-row_fpn", "column_fpn"]
+    assert path.state.model.get("row_fpn") is None
+
+
 def test_a_last_fit_with_which_the_error_rises_is_not_taken(problem, with_rows):
     state, error = with_rows
     steps = (Step(None, 2.0 * error), Step("row_fpn", 0.9 * error))
