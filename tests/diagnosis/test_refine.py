@@ -34,6 +34,7 @@ def test_it_names_what_is_hidden_and_goes_on_from_any_model_it_kept(striped, kno
         assert any("with row_fpn" in words for words in done.steps[-1].evidence)
         assert 0.94 < done.steps[-1].confidence <= 1.0 - OUTSIDE
         assert done.unexplained == []
+        assert done.steps[-1].error == pytest.approx(done.diagnosis.error)  # of the final model
         (strength,) = (p for p in done.parameters if p.name == "row_fpn.sigma")
         assert 0.0 < strength.se < 0.5 * strength.value
     assert all(s.evidence for s in whole.steps[1:])
