@@ -65,7 +65,7 @@ def main(folder: str, model_file: str) -> None:
         histogram.set_title("Found: pixels with telegraph noise")
         rows.set(yscale="log", xscale="log", xlabel="spatial frequency [cycles/row]")
         rows.set_ylabel("power of the row means [DN²]")
-        rows.set_title("Row banding: found; too strong above 0.1")
+        rows.set_title("Found: row banding, rows converted together")
         for ax in (histogram, rows):
             log_axis(ax.yaxis)
             ax.legend()
