@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from drawn_sensor import captures_with
 
+from dnanalyze.analyzers.catalogue import catalogue
 from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.diagnose import diagnose_on, judge
 from dnanalyze.diagnosis.refine import refine_on
@@ -93,7 +94,7 @@ def test_where_no_candidate_explains_the_rest_the_first_may_stand_in_for_another
     first = found.candidates[0]
     assert found.unexplained
     assert first.confidence <= 0.5
-    assert found.unexplained[0] in first.evidence[-1]
+    assert catalogue()[found.unexplained[0]].title in first.evidence[-1]
 
 
 def test_a_candidate_that_is_not_significant_is_no_sure_name(rows, found):
