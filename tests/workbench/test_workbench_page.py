@@ -418,13 +418,13 @@ def test_the_scale_of_the_frames_is_typed(bench):
     low.fill("5000")
     low.press("Enter")
     bench.page.get_by_text("min below max").wait_for()
+    auto = bench.page.get_by_role("button", name="auto scale")
+    bench.until(lambda: "bk-active" not in auto.get_attribute("class"), "no automatic scale")
     low.fill("10.5")
     low.press("Enter")
     scale = """() => Bokeh.documents.flatMap((d) => [...d.all_models])
         .filter((m) => m.name === "figure of measured")[0].right[0].color_mapper.low"""
     bench.until(lambda: bench.page.evaluate(scale) == 10.5, "the typed end")
-    auto = bench.page.get_by_role("button", name="auto scale")
-    bench.until(lambda: "bk-active" not in auto.get_attribute("class"), "no automatic scale")
     auto.click()
     bench.until(lambda: float(low.input_value()) > 20.0, "an end from the image, near 60 DN")
 

@@ -331,7 +331,10 @@ class Sensor:
         apart.low, apart.high = -spread, spread
 
     def _typed(self) -> None:
-        """Ends of the grey scale as typed."""
+        """Ends of the grey scale as typed; a new image leaves alone what is being typed."""
+        self._quiet = True
+        self.auto.value = False
+        self._quiet = False
         try:
             low, high = float(self.low.value), float(self.high.value)
             if not (math.isfinite(low) and math.isfinite(high) and low < high):
@@ -340,9 +343,7 @@ class Sensor:
             self.context.session.tell("scale of the frames: two numbers in DN, min below max")
             return
         self.context.session.tell("")
-        self._ends, self._quiet = (low, high), True
-        self.auto.value = False
-        self._quiet = False
+        self._ends = low, high
         self.images.mapper.low, self.images.mapper.high = low, high
 
     def _compose(self) -> None:
