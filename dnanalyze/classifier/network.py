@@ -11,7 +11,7 @@ from dnanalyze.classifier.training import Score
 from dnanalyze.classifier.views import Samples
 from dnanalyze.errors import InputError
 
-WIDTH, EPOCHS, BATCH = 16, 12, 64  # channels, passes and patches a step: seconds on a processor
+WIDTH, EPOCHS, BATCH = 16, 12, 64  # channels, passes, patches a step
 
 
 def convolutional(measured: Samples, simulated: Samples, seed: int) -> Score:

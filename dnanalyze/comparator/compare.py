@@ -11,7 +11,7 @@ import numpy as np
 
 from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.analyzers.statistics import Statistics
-from dnanalyze.comparator.error import TOLERABLE, family_errors, pooled
+from dnanalyze.comparator.error import family_errors, pooled
 from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.comparator.words import failures
 from dnanalyze.digits import number
@@ -51,8 +51,8 @@ class Comparison(Result):
     failures : list of str
         Where the model fails, worst first.
     unexplained : list of str
-        Statistics that differ on both halves of the field by more than simulated sensors of the
-        model do, worst first.
+        Statistics that differ by more than simulated sensors of the model do, worst first; empty
+        where the model is adequate, as in `diagnose`.
     measured, simulated, gaussian : Statistics
         Of the held-out half, with their curves.
     level : Level, optional
@@ -78,7 +78,7 @@ class Comparison(Result):
     @property
     def adequate(self) -> bool:
         """Whether error and statistics are those of a second sensor of the same design."""
-        return self.error < TOLERABLE and not self.unexplained
+        return not self.unexplained
 
     def _brief(self) -> str:
         return f"{self.captures.name}, model error {number(self.error)}"
@@ -172,7 +172,7 @@ def compared(
         same = paper == model
         baselines["paper"] = error_of(problem, made if same else problem.statistics(paper))
     rows = table(problem, made)
-    fixed = State(model, [], train, lambda: z, np.empty((len(train), 0)))
+    state = State(model, [], train, lambda: z, np.empty((len(train), 0)))
     return Comparison(
         captures,
         model,
@@ -181,7 +181,7 @@ def compared(
         family_errors(z, problem.test.families),
         rows,
         failures(rows),
-        FittedModel(problem, fixed).left,
+        FittedModel(problem, state).unexplained,
         problem.measured[1],
         made[1],
         plain[1],

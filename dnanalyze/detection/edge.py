@@ -14,7 +14,7 @@ from dnanalyze.detection.excess import LADDER, SLOPES, Excess, StandingOut
 from dnanalyze.significance import NOTICEABLE, SIGN
 
 WEIGHT = 3.0  # of a pixel that crosses, in pixels of the control; sites beside replaced ones do
-CANDIDATES = 61  # slopes, 0.15 apart over the widest range of a rule
+CANDIDATES = 61  # slopes, 0.1 apart over the widest range of a rule, from 4 to 10
 LEFT = 0.05  # share of the tail that is nothing
 FEW = 5.0  # pixels, or sites, below which chance decides how many there are
 RUNG = float(LADDER[-1] / LADDER[-2]) - 1.0  # of a bound: a step of the ladder

@@ -26,7 +26,7 @@ LEAST_PIXELS = 200  # a correlation in time then scatters by .07 in each pair of
 LEAST_FRAMES = 6  # for their pairs to say what pixels share
 PARTS = 4  # of the frame along a side: a filter acts in all of them
 REGULAR = (0.05, 2.5)  # sums of squares of pixels that neither blink nor stay, over the median one
-LARGEST_MEMORY = 0.95  # of a series of some frames more cannot be told from 1
+LARGEST_MEMORY = 0.95  # end of the search: a twentieth of each frame is new
 
 
 @dataclass(frozen=True)

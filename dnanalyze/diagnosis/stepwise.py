@@ -404,9 +404,9 @@ class Search:
 
         The error of the last step, which the baseline effects and the other step of an exchange
         share, is that of the new state; an effect that raises it, from the step before that change,
-        is taken out (`_undone`). A fit with which the error rises is not
-        taken: the loss of one simulated sensor has several minima along parameters of which the
-        fitted half shows little, such as those of a glow in a corner of the other half.
+        is taken out (`_undone`). A fit with which the error rises is not taken: the loss of one
+        simulated sensor has several minima along parameters of which the fitted half shows little,
+        such as those of a glow in a corner of the other half.
         """
         if path.converged:
             return path

@@ -24,7 +24,7 @@ THREADS = 2  # parts taken at a time
 # (benchmarks/thread_sizes.py). With a process more, `compare` is 0.2 s slower at 37,000 pixels and
 # 2 s faster at 2 million.
 SHARED_FROM_PIXELS = 500_000
-FIELD_BYTES = 1 << 30  # all fields of ten effects on 12 million pixels, nearly
+FIELD_BYTES = 1 << 30  # 22 fields of 12 million pixels, float32
 CHARGE_BYTES = 1 << 28  # a few models' frames
 WANTED, SHADING = 5, 2  # about what a frame of a half costs, and one of which only that is asked
 BLOCKS = "block_means", *RELATIVE.values()  # curves over the field, (rows, columns) of blocks

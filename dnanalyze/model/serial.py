@@ -42,10 +42,16 @@ def averaged(white: np.ndarray, weights: np.ndarray, begins: bool) -> np.ndarray
     return np.asarray(mixed)
 
 
-def groups(lines: np.ndarray, together: int, banks: int) -> np.ndarray:
-    """Number of the group of each line.
+def sizes(text: str) -> tuple[int, int]:
+    """The two numbers of a choice such as 4x2."""
+    first, second = text.split("x")
+    return int(first), int(second)
 
-    ``banks`` take the lines in turn; ``together`` lines of a bank that follow each other are one
-    group.
+
+def groups(lines: np.ndarray, together: str) -> np.ndarray:
+    """Number of the group of each line, of n x m lines.
+
+    m banks take the lines in turn; n lines of a bank that follow each other are one group.
     """
-    return np.asarray(lines // (together * banks) * banks + lines % banks)
+    rows, banks = sizes(together)
+    return np.asarray(lines // (rows * banks) * banks + lines % banks)

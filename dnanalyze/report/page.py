@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from dnanalyze.comparator.error import TOLERABLE
 from dnanalyze.report import capture_facts
 from dnanalyze.report.figures.palette import TONES, turning
 from dnanalyze.report.figures.pictures import Key, Panel, Picture
@@ -233,8 +232,8 @@ def swatch(key: Key) -> Markup:
     return Markup(f'<svg width="26" height="10" aria-hidden="true">{drawn}</svg>')
 
 
-def tone_of(error: float | None, unexplained: Sequence[str] = ()) -> str:
-    """Tone of a model error; ``unexplained``: statistics that are left all the same."""
-    if error is None or not error < 2:
-        return "poor"
-    return "good" if error < TOLERABLE and not unexplained else "fair"
+def tone_of(error: float | None, adequate: bool) -> str:
+    """Tone of a model error, and of whether the model is adequate."""
+    if adequate:
+        return "good"
+    return "fair" if error is not None and error < 2 else "poor"

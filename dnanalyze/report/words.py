@@ -121,20 +121,22 @@ def gap(measured: Any, simulated: Any, unit: str = "", scale: str = "") -> str:
     return f"{sign}{number(abs(measured - simulated), 2)}{tail}"
 
 
-def closeness(error: Any, unexplained: Sequence[str] = ()) -> str:
+def closeness(error: Any, unexplained: Sequence[str] | None = None) -> str:
     """What a model error means.
 
-    ``unexplained``: statistics that differ by more than sensors of the same design do.
+    ``unexplained``: statistics that differ by more than sensors of the same design do, where that
+    is known: a model that leaves none is adequate.
     """
     if not is_number(error):
         return "the model could not be compared with these captures"
     second = "as close to this sensor as a second sensor of the same design"
-    differ = f"{'differs' if len(unexplained) == 1 else 'differ'} by more than such sensors do"
-    if error < TOLERABLE and unexplained:
-        but = f"{statistics_named(unexplained)} {differ}"
-        return f"on average the model is {second}, but not everywhere: {but}"
-    if error < TOLERABLE:
+    adequate = error < TOLERABLE if unexplained is None else not unexplained
+    if adequate:
         return f"the model is {second}"
+    if unexplained and error < TOLERABLE:
+        differ = "differs" if len(unexplained) == 1 else "differ"
+        but = f"{statistics_named(unexplained)} {differ} by more than such sensors do"
+        return f"on average the model is {second}, but not everywhere: {but}"
     if error < 2:
         return "the model is close to this sensor; differences remain"
     if error < 5:

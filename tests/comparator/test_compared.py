@@ -50,7 +50,7 @@ def test_a_comparison_lists_what_simulated_sensors_do_not_show(problem):
     model = compare_on(tiny(), problem=problem).model.with_effect(RowNoise(20.0))
     found = compared(right, by_design(problem, model), model, None)
     there = by_design(problem, model)
-    assert found.unexplained == FittedModel(there, start(there, model)).left != []
+    assert found.unexplained == FittedModel(there, start(there, model)).unexplained != []
     assert not found.adequate
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from dnanalyze.analyzers.statistics import SettingStatistics, Statistics, Value
 from dnanalyze.classifier.result import Cell, Classification, Told
-from dnanalyze.comparator.error import TOLERABLE
 from dnanalyze.detection.results import Detection, FilterEstimate, Finding, TailBound
 from dnanalyze.detection.series import SuppressionSeries
 from dnanalyze.fitting.fit import Parameter
@@ -28,7 +27,7 @@ class Comparison(Fake, Result):
 
     @property
     def adequate(self) -> bool:
-        return self.error < TOLERABLE and not self.unexplained
+        return not self.unexplained
 
 
 class Diagnosis(Fake, Result):

@@ -10,7 +10,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model import draws
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
-from dnanalyze.model.serial import averaged, moving_average
+from dnanalyze.model.serial import averaged, moving_average, sizes
 
 
 @dataclass(frozen=True)
@@ -86,8 +86,7 @@ class ReadNoise(Effect):
     @property
     def shared_pixels(self) -> tuple[int, int]:
         """Rows and columns of the pixels that share an amplifier."""
-        rows, columns = self.shared.split("x")
-        return int(rows), int(columns)
+        return sizes(self.shared)
 
     def inactive_parameters(self) -> tuple[str, ...]:
         """Correlations where there are none: pixels that are read side by side have none."""

@@ -116,8 +116,7 @@ class RowNoise(Effect):
         if not any(serial) and self.together == TOGETHER[0]:
             return site.rows(stream)[:, None]
         weights = moving_average(*serial) if any(serial) else np.ones(1)
-        rows, banks = map(int, self.together.split("x"))
-        number = groups(np.arange(site.window.top, site.window.bottom), rows, banks)
+        number = groups(np.arange(site.window.top, site.window.bottom), self.together)
         first = max(0, int(number.min()) - weights.size + 1)
         white = stream.normal(Window(0, 1, first, int(number.max()) + 1), site.shape[0])[0]
         return averaged(white, weights, first == 0)[number - first, None]

@@ -14,8 +14,9 @@ from dnanalyze.significance import SIGN
 if TYPE_CHECKING:
     from dnanalyze.model.clues import Clues
 
-FLICKERS = 0.3  # of two frames a third of the pixels then differ: 2 x 0.3 / sqrt(pi)
-"""Temporal noise, DN, from which codes change often enough to tell it."""
+# Temporal noise, DN, from which codes change often enough to tell it: of two frames a third of the
+# pixels then differ, 2 x 0.3 / sqrt(pi)
+FLICKERS = 0.3
 
 
 def quietest(noise: np.ndarray) -> int:

@@ -13,7 +13,7 @@ from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import curve, quietest, shows
 
 LEVELS = (0.5, 0.9, 0.99, 0.999)  # quantiles of the variance, as the statistics have them
-# Shares and variance ratios that are compared: the quantiles move by more than they scatter
+# Shares and variance ratios that are compared; a fit follows from the nearest
 FRACTIONS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.2)
 RATIOS = np.geomspace(1.5, 8.0, 12) ** 2
 REPEATS = 0.02  # correlation of the variances in two halves; heavy tails alone have 0

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from dnanalyze.comparator.error import TOLERABLE
 from dnanalyze.report.figures.palette import CALM, GRID, ON_DARK, ON_LIGHT, SOFT
 from dnanalyze.report.figures.style import (
     GAUSSIAN,
@@ -183,7 +184,7 @@ def draw_families(
     if not known:
         return ax
     ranked = sorted(known.items(), key=lambda item: -item[1])
-    bars = [(family_title(k), v, MODEL if v >= 1.3 else CALM) for k, v in ranked]
+    bars = [(family_title(k), v, MODEL if v >= TOLERABLE else CALM) for k, v in ranked]
     own = "Wang 2025 model" if baselines.get("paper") == error else "this model"
     totals = [(f"all: {own}", error, MODEL)] + [
         (f"all: {text}", baselines[key], colour)
@@ -221,7 +222,8 @@ def families(
     count = sum(map(is_number, errors.values())) + len(baselines)
     return panels(
         [Cell(lambda ax: draw_families(ax, errors, baselines, error), 4.4, 0.9 + 0.22 * count)],
-        "Model error of each family of statistics (dark blue: 1.3 or more), and over all families "
-        "beside other models. Dashed line: 1, what a second sensor of the same design gives.",
+        f"Model error of each family of statistics (dark blue: {TOLERABLE} or more), and over all "
+        "families beside other models. "
+        "Dashed line: 1, what a second sensor of the same design gives.",
         "Error of each family of statistics as bars.",
     )

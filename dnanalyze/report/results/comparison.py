@@ -99,7 +99,7 @@ def page(
             model_section(result.model),
             *families(result),
         ],
-        tone=tone_of(result.error, result.unexplained),
+        tone=tone_of(result.error, result.adequate),
         points=[
             *filter(None, [words.with_remarks("", result).strip()]),  # the errors stand above
             *(s for s in map(sentence, result.failures) if s not in lead),

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from dnanalyze.analyzers.statistics import SettingStatistics
+from dnanalyze.comparator.error import TOLERABLE
 from dnanalyze.report.figures import (
     code_use,
     distribution,
@@ -32,7 +33,6 @@ from dnanalyze.report.words import (
     with_error,
 )
 
-CALM = 1.3  # error of a family up to which its badge stays quiet
 Drawn = Sequence[Layer]
 Rows = Sequence[Mapping[str, Any]]
 
@@ -180,7 +180,7 @@ def family_panels(
                 pictures=pictures_of(drawn, name),
                 tables=[*off_table(rows, name), *([] if table is None else [table])],
                 badge=number(error) if known else "",
-                calm=not known or error < CALM,  # type: ignore[operator]
+                calm=not known or error < TOLERABLE,  # type: ignore[operator]
             )
         )
     return made

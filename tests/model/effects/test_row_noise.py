@@ -33,7 +33,9 @@ def test_guess_of_rows_that_are_converted_together():
     curves = {
         "temporal_row_spectrum": [power], "row_spectrum_f": [v], "frame_means": [np.zeros(8)],
     }  # fmt: skip
-    (found,) = RowNoise.guess(line_clues("temporal_rows", 4.0 + 256 * 0.49, 4.0, curves=curves))
+    given = line_clues("temporal_rows", 4.0 + 256 * 0.49, 4.0, curves=curves)
+    given.seen["temporal_row_mean_explained"] = np.sqrt(4.0 / 256)
+    (found,) = RowNoise.guess(given)
     assert found.together == "2x1"
     assert found.sigma == pytest.approx(0.7, rel=1e-6)
 

@@ -6,21 +6,28 @@ import numpy as np
 import pytest
 
 from dnanalyze.model.effects.row_noise import TOGETHER
-from dnanalyze.model.guesses.row_noise import kernel, rows_together, sizes
+from dnanalyze.model.guesses.row_noise import kernel, rows_together
+from dnanalyze.model.serial import sizes
 
-ROWS, FRAMES, PIXELS = 512, 8, 0.05  # DN^2: of the pixels, in the power of the row means
+ROWS, COLUMNS, FRAMES = 512, 256, 8
+PIXELS = 0.05  # DN^2, of their noise in the power of the row means
 FREQUENCY = np.fft.rfftfreq(ROWS)[1:]
 
 
 @dataclass
 class Given:
-    """Curves of one operating point."""
+    """Curves of one operating point, and what the pixels make of the scatter of row means."""
 
     curves: dict
+    shape: tuple = (ROWS, COLUMNS)
     points: tuple = (None,)
 
     def curve(self, name, setting):
         return self.curves[name][setting]
+
+    def measured(self, name):
+        assert name == "temporal_row_mean_explained"
+        return np.array([np.sqrt(PIXELS / self.shape[1])])
 
 
 def offsets(together, rng, count):
@@ -36,6 +43,15 @@ def autoregressive(rng, count, share, apart):
     for n in range(apart, ROWS):
         r[:, n] = share * r[:, n - apart] + np.sqrt(1 - share**2) * r[:, n]
     return r
+
+
+def moving_average(rng, count, correlations):
+    """Correlations with the row before and the one before that, by the factor of the spectrum."""
+    power = 1.0 + 2.0 * sum(
+        r * np.cos(2 * np.pi * d * np.fft.rfftfreq(ROWS)) for d, r in enumerate(correlations, 1)
+    )
+    white = np.fft.rfft(rng.standard_normal((count, ROWS)), axis=1)
+    return np.fft.irfft(white * np.sqrt(np.maximum(power, 0.0)), axis=1)
 
 
 def clues(r, rng):
@@ -56,7 +72,7 @@ def test_the_kernel_is_the_mean_spectrum_of_groups(together):
     r = offsets(together, np.random.default_rng(1), count)
     r = np.stack([np.roll(x, n) for n, x in enumerate(r)])  # at any place in the group
     power = np.mean(np.abs(np.fft.rfft(r, axis=1)[:, 1:-1]) ** 2, axis=0) / ROWS
-    expected = kernel(FREQUENCY[:-1], *sizes(together))
+    expected = kernel(FREQUENCY[:-1], together)
     # exponential: a mean of so many scatters by its own size over the root of their number
     error = 6 * (expected + 0.05) / np.sqrt(count)
     assert np.all(np.abs(power - expected) < error + 0.02)  # the ends of 512 rows leak 2 %
@@ -73,6 +89,23 @@ def test_groups_are_found(together, seed):
 def test_rows_that_are_alike_without_groups_are_none(share, apart):
     rng = np.random.default_rng(5)
     assert rows_together(clues(autoregressive(rng, FRAMES - 1, share, apart), rng)) == "1x1"
+
+
+@pytest.mark.parametrize(
+    "correlations", [(0.3,), (0.45,), (0.0, 0.3), (0.0, 0.45), (0.3, 0.3), (-0.3,)]
+)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_moving_average_is_no_group(correlations, seed):
+    """Two rows of a group beside rows of their own have the spectrum of such a one."""
+    rng = np.random.default_rng(seed)
+    assert rows_together(clues(moving_average(rng, FRAMES - 1, correlations), rng)) == "1x1"
+
+
+def test_a_colour_tells_no_groups():
+    rng = np.random.default_rng(4)
+    curves = clues(offsets("4x1", rng, FRAMES - 1), rng).curves
+    assert rows_together(Given(curves)) == "4x1"
+    assert rows_together(Given(curves, shape=(2 * ROWS, COLUMNS))) == "1x1"
 
 
 def test_slow_noise_and_a_line_are_no_groups():
