@@ -13,7 +13,7 @@ from dnanalyze.classifier.descriptors import random_filters
 from dnanalyze.classifier.pictures import around_zero, code_step, compact_frames
 from dnanalyze.classifier.places import Places
 from dnanalyze.classifier.training import Halves, Learner, Tested, cross_fit, one_thread
-from dnanalyze.classifier.views import VIEWS, Cuts, View, cut, cuts
+from dnanalyze.classifier.views import VIEWS, Cuts, Pictures, View, cut, cuts, pictures_of
 from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Sensor
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
@@ -132,23 +132,28 @@ class Judge:
         model = replace(self.model, seed=self.model.seed + SEED_STEP * (self.seed + number + 1))
         return simulate(model.in_codes, self.sensor.shape, self.settings, sensor=self.sensor)
 
-    def cells(self, setting: int, measured: np.ndarray) -> list[Judged]:
-        """Every view of one operating point.
+    def cells(
+        self, setting: int, measured: np.ndarray, views: Sequence[View] = VIEWS
+    ) -> list[Judged]:
+        """Views of one operating point.
 
         ``measured``: values of the places, (planes, frames, rows, columns), DN.
         """
         values = [measured, *(self._values(setting, number) for number in (0, 1))]
         step = max(map(code_step, values))
-        stacks = [self._around_zero(v, step, setting, n) for n, v in enumerate(values)]
+        sensors = [
+            pictures_of(self._around_zero(v, step, setting, n)) for n, v in enumerate(values)
+        ]
         frames = self.settings[setting][1]
         with one_thread():
-            return [self._judged(setting, v, step, stacks) for v in VIEWS if frames >= v.frames]
+            return [self._judged(setting, v, step, sensors) for v in views if frames >= v.frames]
 
     def control(self, judged: Judged, number: int) -> float:
         """Area of one more simulated sensor against the simulated one."""
         values = self._values(judged.setting, number)
         stack = self._around_zero(values, judged.step, judged.setting, number + 1)
-        control = cut(judged.view, stack, self.places, judged.cuts, self.filters)
+        pictures = pictures_of(stack)
+        control = cut(judged.view, pictures, self.places, judged.cuts, self.filters)
         with one_thread():
             return self._test(control, judged).area.value
 
@@ -162,11 +167,11 @@ class Judge:
         rng = np.random.default_rng((self.seed, setting, sensor))
         return around_zero(values, self.places, step, rng)
 
-    def _judged(self, setting: int, view: View, step: float, stacks: list[np.ndarray]) -> Judged:
-        pictures = next(iter(view.pictures(stacks[0][..., :1, :1]).values()))
-        where = cuts(view, self.places, len(pictures), np.random.default_rng((self.seed, setting)))
+    def _judged(self, setting: int, view: View, step: float, sensors: Sequence[Pictures]) -> Judged:
+        count = max(map(len, view.shown(sensors[0]).values()))
+        where = cuts(view, self.places, count, np.random.default_rng((self.seed, setting)))
         measured, simulated, control = (
-            cut(view, stack, self.places, where, self.filters) for stack in stacks
+            cut(view, pictures, self.places, where, self.filters) for pictures in sensors
         )
         tested = cross_fit(measured, simulated, where.grid, self.learn, self.seed)
         other = cross_fit(control, simulated, where.grid, self.learn, self.seed)

@@ -16,6 +16,7 @@ from dnanalyze.classifier.pictures import compact_frames
 from dnanalyze.classifier.places import BANDS, FOLDS, SIDE, places
 from dnanalyze.classifier.result import Cell, Classification, Told
 from dnanalyze.classifier.training import Halves, Learner, boosting, one_thread, went_by
+from dnanalyze.classifier.views import VIEWS
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.processes import Helpers, helpers_of, travels
 from dnanalyze.fitting.time_limit import TimeLimit
@@ -127,14 +128,21 @@ def _all(
 ) -> tuple[list[Judged], bool]:
     """The cells that were judged before the time was up, and whether all were.
 
-    Each process judges one operating point before the time is asked for.
+    Each process judges one operating point before the time is asked for; where fewer are left than
+    there are processes, several share the views of one.
     """
     judged: list[Judged] = []
     numbers, step = range(len(captures.settings)), helpers.shares
     for some in (numbers[n : n + step] for n in numbers[::step]):
         values = [compact_frames(captures, captures.settings[n], judge.places) for n in some]
-        for cells in helpers.each(judge.cells, list(zip(some, values, strict=True))):
-            judged += cells
+        shares = min(step // len(some), len(VIEWS))
+        tasks = [
+            (number, own, VIEWS[share::shares])
+            for number, own in zip(some, values, strict=True)
+            for share in range(shares)
+        ]
+        found = [cell for cells in helpers.each(judge.cells, tasks) for cell in cells]
+        judged += sorted(found, key=lambda cell: (cell.setting, VIEWS.index(cell.view)))
         if limit.over:
             return judged, some[-1] == numbers[-1]
     return judged, True

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from dnanalyze.analyzers.kernels.sorting import order_statistic
 from dnanalyze.classifier.places import FOLDS, Places
 from dnanalyze.loaders.captures import CaptureSet, Frame, Setting, Window
 from dnanalyze.loaders.mosaic import plane_names
@@ -115,9 +116,16 @@ def around_zero(
 
 def clipped_mean(values: np.ndarray) -> float:
     """Mean without what lies more than `CLIP` robust standard deviations off."""
-    kept = values.ravel()
+    kept = np.asarray(values, np.float32).ravel()
     for _ in range(ROUNDS):
-        low, middle, high = np.quantile(kept, (0.16, 0.5, 0.84))
+        low, middle, high = middle_and_sides(kept)
         reach = CLIP * max(high - low, 1e-12) / 2.0
-        kept = kept[np.abs(kept - middle) <= reach]
-    return float(kept.mean(dtype=np.float64)) if kept.size else float(middle)
+        kept = kept[np.abs(kept - np.float32(middle)) <= reach]
+    return float(kept.mean(dtype=np.float64)) if kept.size else middle
+
+
+def middle_and_sides(values: np.ndarray) -> tuple[float, float, float]:
+    """Quantiles of float32 values at -1, 0 and 1 sigma of a normal distribution, DN."""
+    last = values.size - 1
+    low, middle, high = (order_statistic(values, round(q * last))[0] for q in (0.16, 0.5, 0.84))
+    return float(low), float(middle), float(high)

@@ -13,6 +13,10 @@ from dnanalyze.classifier.curve import Area, area, mean_area
 from dnanalyze.classifier.places import FOLDS
 from dnanalyze.classifier.views import Samples
 
+# Of seven kinds of differences, two sensors each, 30 trees at .13 find none with an area that is
+# larger by .01, and take 13 % longer; 10 at .3 are as quick as 15 at .25.
+TREES, LEARNING_RATE = 20, 0.2
+
 Fold = tuple[int, int]
 Halves = Mapping[Fold, Samples]
 Score = Callable[[Samples], np.ndarray]
@@ -36,8 +40,8 @@ def boosting(measured: Samples, simulated: Samples, seed: int) -> Score:
     values = np.concatenate((measured.described.values, simulated.described.values))
     labels = np.repeat((1, 0), (len(measured.regular), len(simulated.regular)))
     model: Any = HistGradientBoostingClassifier(
-        learning_rate=0.13,
-        max_iter=30,
+        learning_rate=LEARNING_RATE,
+        max_iter=TREES,
         max_leaf_nodes=8,
         max_bins=63,
         min_samples_leaf=max(2, min(20, len(labels) // 40)),

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from dnanalyze.classifier.descriptors import Described, of_lines, of_pixels, of_shading
-from dnanalyze.classifier.pictures import CLIP
+from dnanalyze.classifier.pictures import CLIP, middle_and_sides
 from dnanalyze.classifier.places import FOLDS, Places
 
 MAX_PATCHES = 2048  # patches of a kind of picture and operating point, for the time that they take
@@ -16,11 +15,40 @@ LEAST_FRAMES = 3  # frames of a mean, where there are as many
 LONG = 64  # pixels of a strip along; with a quarter of the side across it holds what a patch does
 
 Stack = np.ndarray  # (planes, frames, rows, columns) around 0
+FRAME, PAIR, MEAN = "single frame", "difference of two frames", "mean frame"
+Pictures = dict[str, np.ndarray]  # by name, each (pictures, rows, columns), DN
+
+
+def pictures_of(stack: Stack) -> Pictures:
+    """The pictures of a stack, of which views show one kind or two."""
+    made = {FRAME: stack, MEAN: _means(stack)}
+    if stack.shape[1] > 1:
+        made[PAIR] = _pairs(stack)
+    return {name: p.reshape(-1, *p.shape[2:]) for name, p in made.items()}
+
+
+def _pairs(stack: Stack) -> Stack:
+    """Each frame less the next and less the one after that, around the end."""
+    lags = range(1, min(2, stack.shape[1] - 1) + 1)
+    apart = [(stack - np.roll(stack, -lag, axis=1)) / np.float32(np.sqrt(2.0)) for lag in lags]
+    return np.concatenate(apart, axis=1)
+
+
+def _means(stack: Stack) -> Stack:
+    """Means of half of the frames, three at the least, from each frame on, around the end.
+
+    The patches are cut from one after another, so that what a few frames have in common by chance
+    (the phase of an interference) differs between them.
+    """
+    count = stack.shape[1]
+    part = min(count, max(LEAST_FRAMES, count // 2))
+    total = np.mean([np.roll(stack, -n, axis=1) for n in range(part)], axis=0)
+    return total if part < count else total[:, :1]
 
 
 @dataclass(frozen=True)
 class View:
-    """A kind of picture.
+    """A kind of patches.
 
     Parameters
     ----------
@@ -28,8 +56,8 @@ class View:
         In files, in words.
     frames : int
         That it needs at the least.
-    pictures : callable
-        From a stack to pictures by name, each (pictures, rows, columns), as many of each.
+    shows : tuple of str
+        Kinds of pictures that a patch is cut from; of one frame alone there is no difference.
     strip : str
         "tall", "wide", or "" for square patches.
     repeats : int
@@ -39,7 +67,7 @@ class View:
     key: str
     name: str
     frames: int
-    pictures: Callable[[Stack], dict[str, np.ndarray]]
+    shows: tuple[str, ...]
     strip: str = ""
     repeats: int = 1
 
@@ -51,48 +79,18 @@ class View:
         across = places.side // 4
         return (min(LONG, rows), across) if self.strip == "tall" else (across, min(LONG, columns))
 
-
-def _frames(stack: Stack) -> dict[str, np.ndarray]:
-    return {"single frame": stack.reshape(-1, *stack.shape[2:])}
-
-
-def _pairs(stack: Stack) -> dict[str, np.ndarray]:
-    """Each frame less the next and less the one after that, around the end."""
-    lags = range(1, min(2, stack.shape[1] - 1) + 1)
-    apart = [(stack - np.roll(stack, -lag, axis=1)) / np.float32(np.sqrt(2.0)) for lag in lags]
-    return {"difference of two frames": np.concatenate(apart, axis=1).reshape(-1, *stack.shape[2:])}
-
-
-def _means(stack: Stack) -> dict[str, np.ndarray]:
-    """Means of half of the frames, three at the least, from each frame on, around the end.
-
-    The patches are cut from one after another, so that what a few frames have in common by chance
-    (the phase of an interference) differs between them.
-    """
-    count = stack.shape[1]
-    part = min(count, max(LEAST_FRAMES, count // 2))
-    total = np.mean([np.roll(stack, -n, axis=1) for n in range(part)], axis=0)
-    kept = total if part < count else total[:, :1]
-    return {"mean frame": kept.reshape(-1, *stack.shape[2:])}
-
-
-def _both(stack: Stack) -> dict[str, np.ndarray]:
-    """Means beside differences, as many; the one frame alone where there is no other."""
-    made = _means(stack)
-    if stack.shape[1] == 1:
-        return made
-    made |= _pairs(stack)
-    count = max(map(len, made.values()))
-    return {name: np.resize(p, (count, *p.shape[1:])) for name, p in made.items()}
+    def shown(self, pictures: Pictures) -> Pictures:
+        """Those of the pictures that the view shows."""
+        return {name: pictures[name] for name in self.shows if name in pictures}
 
 
 # Frames that a patch is made of, and how often patches are drawn
 VIEWS = (
-    View("frame", "single frame", 2, _frames, repeats=8),
-    View("pair", "difference of two frames", 2, _pairs, repeats=8),
-    View("mean", "mean frame", 1, _means),
-    View("tall", "tall strips", 1, _both, "tall", 2),
-    View("wide", "wide strips", 1, _both, "wide", 2),
+    View("frame", FRAME, 2, (FRAME,), repeats=8),
+    View("pair", PAIR, 2, (PAIR,), repeats=8),
+    View("mean", MEAN, 1, (MEAN,)),
+    View("tall", "tall strips", 1, (MEAN, PAIR), "tall", 2),
+    View("wide", "wide strips", 1, (MEAN, PAIR), "wide", 2),
 )
 
 
@@ -200,10 +198,12 @@ def _over_pictures(corners: np.ndarray, pictures: int, most: int, repeats: int) 
 
 
 def cut(
-    view: View, stack: Stack, places: Places, where: Cuts, filters: np.ndarray
+    view: View, pictures: Pictures, places: Places, where: Cuts, filters: np.ndarray
 ) -> dict[tuple[int, int], Samples]:
-    """The samples of each fold's half of the bands."""
-    pictures = view.pictures(stack)
+    """The samples of each fold's half of the bands.
+
+    Of two kinds of pictures that with fewer is taken again from its first on.
+    """
     made = {}
     for fold in FOLDS:
         index = np.ix_(*places.half(fold))
@@ -211,8 +211,8 @@ def cut(
         patches = {
             name: np.lib.stride_tricks.sliding_window_view(
                 _along(view, stacked[:, index[0], index[1]]), where.size, axis=(1, 2)
-            )[number, top, left]
-            for name, stacked in pictures.items()
+            )[number % len(stacked), top, left]
+            for name, stacked in view.shown(pictures).items()
         }
         described = _describe(view, patches, filters)
         rows, columns = where.grid
@@ -231,7 +231,7 @@ def _along(view: View, pictures: np.ndarray) -> np.ndarray:
     """
     if not view.strip:
         return pictures
-    low, high = np.quantile(pictures[:, ::4, ::4], (0.16, 0.84))
+    low, _, high = middle_and_sides(np.ascontiguousarray(pictures[:, ::4, ::4]).ravel())
     reach = CLIP * (high - low) / 2.0
     return pictures - np.clip(pictures, -reach, reach).mean(
         axis=2 if view.strip == "tall" else 1, keepdims=True

@@ -89,8 +89,9 @@ def test_a_time_limit_ends_it_early():
 
 
 @pytest.mark.long
-def test_a_helper_takes_operating_points_of_its_own_and_finds_the_same():
-    captures = simulate(replace(PLAIN, seed=99), (128, 128), [(POINT, 2), (WARM, 2)])
+def test_a_helper_takes_operating_points_and_views_of_its_own_and_finds_the_same():
+    points = [(POINT, 2), (replace(POINT, temperature_c=40.0), 2), (WARM, 2)]
+    captures = simulate(replace(PLAIN, seed=99), (128, 128), points)
     helpers = Processes(1)
     try:
         shared = classify_on(captures, PLAIN, helpers=helpers)
