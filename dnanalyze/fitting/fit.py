@@ -69,6 +69,7 @@ LEAST_SCATTER = 0.2  # reproducibility SD of a number that hardly scatters, over
 STEPS, SMALL = 4, 0.05  # last steps at most; size at which they end, in standard errors
 ONE_SIDED = 1.645  # standard errors that a normal deviate exceeds in 5 % of cases
 VAGUE = 1.0  # standard error on a log scale from which a parameter is called undetermined
+VERY_VAGUE = math.log(1e3)  # from which its size says nothing
 
 
 @dataclass(frozen=True)
@@ -568,7 +569,7 @@ def _doubts(
                 f"not determined: {parameter.name}; nothing in these captures depends on it"
             )
         elif parameter.log and spread[i] > VAGUE:
-            factor = f"{np.exp(min(spread[i], 50)):.3g}"
+            factor = f"{math.exp(spread[i]):.3g}" if spread[i] < VERY_VAGUE else "more than 1,000"
             sentences.append(f"not determined: {parameter.name}, within a factor of {factor}")
     for i in range(len(free)):
         for j in range(i):
