@@ -152,7 +152,7 @@ Budget = Annotated[
     float | None,
     option(
         "--time-limit --budget SECONDS",
-        "End the search after so many seconds, with the best model so far.",
+        "End after so many seconds, with the best model so far; a report is drawn within them.",
         STEER,
         min=0.0,
     ),

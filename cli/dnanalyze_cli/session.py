@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -138,12 +139,24 @@ class Session:
         return replace(model, seed=seed)
 
     def remaining(self, budget: float | None) -> float | None:
-        """What is left of so many seconds since the command began; None: no limit."""
+        """What a search has left of so many seconds since the command began; None: no limit.
+
+        A report is drawn within them too; a search has half of what is left at the least.
+        """
         if budget is None:
             return None
         if not budget > 0:
             raise InputError(f"--budget {budget:g}: valid: seconds above 0")
-        return max(budget - (monotonic() - self._begun), 1e-3)
+        drawing = 0.0 if self.report is None else self._drawing
+        left = budget - (monotonic() - self._begun)
+        return max(left - drawing, left / 2.0, 1e-3)
+
+    @cached_property
+    def _drawing(self) -> float:
+        """Time for the report, s."""
+        from dnanalyze.report.drawing_time import drawing_time
+
+        return drawing_time()
 
     def show(self, result: Result) -> None:
         """Print a result."""
