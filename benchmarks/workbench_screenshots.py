@@ -63,8 +63,9 @@ def in_states(page: Any, save: Save) -> None:
         page.get_by_role("button", name=name, exact=True).click()
         after(name)
     page.get_by_role("button", name="side by side", exact=True).click()
-    for name in ("spectrum", "all spectra"):
+    for name, title in (("spectrum", "Radial spectrum of"), ("all spectra", "Radial spectra of")):
         page.get_by_role("button", name=name, exact=True).click()
+        page.get_by_text(title).first.wait_for()
         after(name.replace(" ", "-"))
     page.get_by_role("button", name="histogram", exact=True).click()
     page.get_by_role("button", name="Diagnose").click()

@@ -22,7 +22,7 @@ export function render({ model, el }) {
   pair.append(families, matrix);
   el.append(pair);
   const host = el.getRootNode().host ?? el;
-  let shown = "";  // the cell that was last brought into view
+  let shown = "";  // the cell that was last brought into view, and the rows around it
 
   // Rows are shown whole: one that is cut looks like the last.
   const told = () => {
@@ -105,7 +105,8 @@ export function render({ model, el }) {
     }
     list.replaceChildren(table);
     cut();
-    const chosen = model.rows.flatMap((r) => r.cells).find((c) => c?.chosen)?.key ?? "";
+    const order = model.rows.map((r) => r.title).join();
+    const chosen = order + model.rows.flatMap((r) => r.cells).find((c) => c?.chosen)?.key;
     const row = table.querySelector(".chosen")?.closest("tr");
     if (row && chosen !== shown) {
       const top = row.offsetTop - table.tHead.offsetHeight;
