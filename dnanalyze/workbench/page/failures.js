@@ -41,10 +41,12 @@ export function render({ model, el }) {
   const cut = () => {
     const table = list.querySelector("table");
     if (!table) return;
+    const top = list.scrollTop;
     list.style.maxHeight = "none";
     const room = parseFloat(getComputedStyle(host).maxHeight);
     more.hidden = !(table.offsetHeight > room);
     if (!more.hidden) list.style.maxHeight = `${room - more.offsetHeight}px`;
+    list.scrollTop = top;
     told();
   };
   list.onscroll = told;
