@@ -348,8 +348,9 @@ class WorkbenchSession:
                 history = history.beside(node.number, error_by(found.problem, known))
         self.history = history
         present = history.present
-        fitted = present.model == found.model and present.before is not None
-        return present if fitted and way(present.before, found.error) == "rises" else None
+        if present.model != found.model or present.before is None:
+            return None
+        return present if way(present.before, found.error) == "rises" else None
 
     def _refuse(self, fit: Node) -> None:
         """Back to the model with which a fit began, unless something is under way with the fit."""
