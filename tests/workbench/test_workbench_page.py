@@ -287,6 +287,17 @@ def _box(bench: Workbench, which: str) -> tuple[float, ...]:
     return tuple(box[k] for k in ("x", "y", "width", "height"))
 
 
+def _still(bench: Workbench, which: str) -> tuple[float, ...]:
+    """The same, once a layout no longer moves it."""
+
+    def same() -> tuple[float, ...]:
+        before = _box(bench, which)
+        bench.page.wait_for_timeout(500)
+        return before if _box(bench, which) == before else ()
+
+    return bench.until(same, f"{which} at rest")
+
+
 def test_an_enlarged_pane_covers_the_page_and_a_second_press_puts_it_back(bench):
     assert bench.page.get_by_text("ranks the effects that may be missing").is_visible()
     buttons = bench.page.locator(".enlarge")
@@ -385,7 +396,7 @@ def test_swiped_image_has_the_height_where_there_is_some(bench, enlarged):
         else:
             bench.page.set_viewport_size({"width": 1024, "height": 813})
         bench.until(lambda: _box(bench, ".side")[1] > _box(bench, ".measured")[1] + 100, "two rows")
-        height = _box(bench, ".measured")[3]
+        height = _still(bench, ".measured")[3]
         bench.click("swipe")
         bench.until(lambda: _box(bench, ".measured")[3] > 1.7 * height, "a high image")
         assert _box(bench, ".measured")[2] > 1.9 * _box(bench, ".side")[2]
