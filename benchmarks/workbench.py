@@ -1,6 +1,6 @@
 """Latency and memory of the workbench, measured in a headless Chromium.
 
-    python benchmarks/workbench.py [FOLDER ...] [--moves 50] [--long 500] [--screenshot DIR]
+    python benchmarks/workbench.py [FOLDER ...] [--moves 50] [--long 500] [--busy]
     python benchmarks/workbench.py --opening FOLDER ...
 
 A folder is one of captures, or a word: `demo` is the sensor of `--demo`, `large` one of 24 million
@@ -8,8 +8,9 @@ pixels at 3 temperatures x 5 frames, `middle` (the default) one of 5 temperature
 512. A move is a key pressed on a slider; it ends when the browser has drawn the new curve; the
 first series begins with the first move after the page is opened. With --opening: the times from the
 address to paint, frames, first error and fitted error, with an empty cache of statistics and with a
-filled one; in brackets the processor time of server and worker. Needs the extra `workbench`,
-Playwright and Debian's chromium.
+filled one; in brackets the processor time of server and worker. With --busy another process keeps
+one processor busy. Every line ends with the load of the machine, of the last minute. Needs the
+extra `workbench`, Playwright and Debian's chromium.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ MOVES = """async (handle, [count, pause]) => {
       source.properties.data.change.connect(slot);
       setTimeout(resolve, 5000);
     });
-    const key = i % 20 < 10 ? "ArrowRight" : "ArrowLeft";
+    const key = i % 10 < 5 ? "ArrowRight" : "ArrowLeft";  // within the slider's range
     handle.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
     await drawn;
     took.push(performance.now() - begun);
@@ -88,6 +89,23 @@ def large_sensor(folder: Path) -> Path:
 VIRTUAL = {"middle": virtual_sensor, "large": large_sensor}
 
 
+def load() -> str:
+    """Mean number of processes that ran or waited for a processor in the last minute."""
+    return f"; load {os.getloadavg()[0]:.1f}"
+
+
+@contextmanager
+def busy(wanted: bool) -> Iterator[None]:
+    """One processor kept busy meanwhile, where that is wanted."""
+    spinning = subprocess.Popen([sys.executable, "-c", "while True: pass"]) if wanted else None
+    try:
+        yield
+    finally:
+        if spinning is not None:
+            spinning.kill()
+            spinning.wait()
+
+
 def memory_mib(pid: int) -> float:
     """Resident memory of a process."""
     text = Path(f"/proc/{pid}/status").read_text()
@@ -103,7 +121,8 @@ def processor_s(pid: int) -> float:
         except OSError:  # it has just ended
             continue
         if pid in (int(path.parent.name), int(fields[1])):
-            found += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+            ticks = 4 if pid == int(path.parent.name) else 2  # its own: with ended processes too
+            found += sum(map(int, fields[11 : 11 + ticks])) / os.sysconf("SC_CLK_TCK")
     return found
 
 
@@ -169,22 +188,25 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
         begun = time.perf_counter()
         page.goto(address)
         page.get_by_text("Where it fails").wait_for()
-        print(f"first paint, warm cache: {time.perf_counter() - begun:.2f} s (limit 3)")
+        print(f"first paint, warm cache: {time.perf_counter() - begun:.2f} s (limit 3){load()}")
         settled(page)
         handle = drawing(page)
         for _ in range(SERIES):
+            spent = processor_s(process.pid)
             took = handle.evaluate(MOVES, [moves, 60])
             p50, p95 = np.percentile(took, [50, 95])
             print(
                 f"{moves} slider moves, key to drawn curve: p50 {p50:.0f} ms, "
-                f"p95 {p95:.0f} ms (limit 250)"
+                f"p95 {p95:.0f} ms (limit 250); processor time of server and worker "
+                f"{processor_s(process.pid) - spent:.1f} s{load()}",
+                flush=True,
             )
             settled(page)
         rests: dict[str, list[float]] = {"full": [], "exact": []}
-        for _ in range(10):
+        for _ in range(10):  # all to the right: the errors of earlier values are known
             handle.evaluate(MOVES, [1, 0])
             begun = time.perf_counter()
-            page.locator(".error.preview").wait_for(timeout=5000)
+            page.locator(".error.preview").wait_for(timeout=20000)
             page.locator(".error.full, .error.exact").wait_for(timeout=60000)
             rests["full"].append(time.perf_counter() - begun)
             settled(page)
@@ -192,7 +214,8 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
         for name, took in rests.items():
             print(
                 f"{name} error after rest: p50 {np.median(took):.2f} s, most {max(took):.2f} s "
-                f"({REST_S:g} s of it the wait; limit of the full one 1)"
+                f"({REST_S:g} s of it the wait; limit of the full one 1){load()}",
+                flush=True,
             )
         if pictures is not None:
             page.screenshot(path=str(pictures / "workbench.png"))
@@ -202,7 +225,7 @@ def measured(folder: Path, moves: int, long: int, pictures: Path | None) -> None
         after = memory_mib(process.pid)
         print(
             f"server's memory: {before:.0f} MiB, {after:.0f} MiB after {long} moves more "
-            "(limit 1536)"
+            f"(limit 1536){load()}"
         )
         alone = memory_mib(process.pid)
         tabs = [context.new_page() for _ in range(2)]
@@ -249,7 +272,7 @@ def opened(folder: Path) -> None:
                     took[what] = time.perf_counter() - begun, processor_s(process.pid) - spent
                 page.close()
             times = ", ".join(f"{k} {v:.1f} s ({cpu:.1f})" for k, (v, cpu) in took.items())
-            print(f"{folder.name}, cache {state}: {times}", flush=True)
+            print(f"{folder.name}, cache {state}: {times}{load()}", flush=True)
         browser.close()
 
 
@@ -272,8 +295,9 @@ def main() -> None:
     parser.add_argument("--long", type=int, default=500)
     parser.add_argument("--screenshot", type=Path, metavar="DIR")
     parser.add_argument("--opening", action="store_true", help="times of opening alone")
+    parser.add_argument("--busy", action="store_true", help="beside one busy process")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as temporary:
+    with tempfile.TemporaryDirectory() as temporary, busy(options.busy):
         for named in options.folders or [Path("middle")]:
             make = VIRTUAL.get(str(named))
             folder = named if make is None else make(Path(temporary) / named)

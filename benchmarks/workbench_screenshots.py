@@ -2,9 +2,10 @@
 
     python benchmarks/workbench_screenshots.py OUT FOLDER ...
 
-Of each folder, or word of `workbench.py`, up to fifteen PNG files: the fitted page at four sizes,
-light and dark, and at 1440 x 900 a family of statistics, two enlarged panes, swipe, blink,
-candidates, and the page after an addition. Needs what `workbench.py` needs.
+Of each folder, or word of `workbench.py`, up to eighteen PNG files: the fitted page at four sizes,
+light and dark, and at 1440 x 900 a family of statistics, two enlarged panes, swipe, blink, the
+spectra of one and of all operating points, candidates, the page after an addition, and then in the
+dark theme. Needs what `workbench.py` needs.
 """
 
 from __future__ import annotations
@@ -62,6 +63,11 @@ def in_states(page: Any, save: Save) -> None:
         page.get_by_role("button", name=name, exact=True).click()
         after(name)
     page.get_by_role("button", name="side by side", exact=True).click()
+    for name, title in (("spectrum", "Radial spectrum of"), ("all spectra", "Radial spectra of")):
+        page.get_by_role("button", name=name, exact=True).click()
+        page.get_by_text(title).first.wait_for()
+        after(name.replace(" ", "-"))
+    page.get_by_role("button", name="histogram", exact=True).click()
     page.get_by_role("button", name="Diagnose").click()
     ended(page)
     candidate = page.locator(".row").first
@@ -94,6 +100,10 @@ def taken(folder: Path, into: Path, name: str) -> None:
             settled(page, PATIENCE_S)
             at_sizes(page, lambda size, theme=theme: save(f"{size}-{theme}"))
         in_states(page, save)
+        page.goto(f"{address}?theme=dark")
+        settled(page, PATIENCE_S)
+        page.wait_for_timeout(DRAWN_MS)
+        save("last-dark")
         browser.close()
 
 

@@ -57,8 +57,9 @@ def _kind(name: str) -> str:
 def sentence(name: str, group: Sequence[dict[str, Any]]) -> str:
     """What a misfit of one statistic says, with its size and where it holds."""
     info = infos()[name]
-    off = [r for r in group if abs(r["discrepancy"]) > NOTICEABLE] or list(group)
-    worst = max(off, key=lambda r: abs(r["discrepancy"]))
+    worst = max(group, key=lambda r: abs(r["discrepancy"]))
+    way = np.sign(worst["discrepancy"])  # what lies on the other side is not what is said
+    off = [r for r in group if way * r["discrepancy"] > NOTICEABLE] or [worst]
     pair = worst["measured"], worst["simulated"]
     said = misfit(info, *pair, worst["discrepancy"], worst.get("floor", 0.0))
     size = f"{number(abs(worst['discrepancy']), 2)} sigma"

@@ -104,6 +104,11 @@ def exact(problem: FitProblem, known: Evaluation) -> Evaluation:
     return replace(found, exact=True)
 
 
+def error_by(problem: FitProblem, known: Evaluation) -> float:
+    """The error of an evaluated model by the yardstick of another problem."""
+    return pooled(problem.test.z(known.predicted), problem.test.families)
+
+
 def _stated(
     problem: FitProblem, model: NoiseModel, simulated: Statistics, predicted: np.ndarray
 ) -> Evaluation:

@@ -39,6 +39,8 @@ class Node:
         Given by the user.
     standard_errors : mapping
         Of parameters by name, in plain units; empty: not computed.
+    before : float or None
+        Of a fit: error of the parent's model by the yardstick of this one; None: not computed.
     """
 
     number: int
@@ -52,6 +54,7 @@ class Node:
     exact: bool = False
     name: str = ""
     standard_errors: Mapping[str, float] = field(default_factory=dict)
+    before: float | None = None
 
     @property
     def title(self) -> str:
@@ -138,6 +141,7 @@ class History:
             families={},
             exact=False,
             standard_errors={},
+            before=None,
         )
         return self._changed(node)
 
@@ -176,6 +180,10 @@ class History:
     def known(self, number: int, standard_errors: Mapping[str, float]) -> History:
         """A node with the standard errors of its parameters."""
         return self._changed(replace(self.node(number), standard_errors=dict(standard_errors)))
+
+    def beside(self, number: int, before: float) -> History:
+        """A node with the error of its parent's model by the node's own yardstick."""
+        return self._changed(replace(self.node(number), before=before))
 
     def path(self, number: int | None = None) -> list[Node]:
         """Nodes from the starting model to one of them; the present one by default."""

@@ -186,8 +186,7 @@ class Measurements:
         Superseded
             A slider moved meanwhile.
         """
-        with self._lock:
-            found = next((e for e in self._kept if e.model == model), None)
+        found = self.kept(model)
         assert self._yardstick is not None
         if found is None:
             self._judging = True  # yardsticks wait: they take the same processors
@@ -212,6 +211,11 @@ class Measurements:
         """A model that is not exact yet: its error is compared with the present one's."""
         left = (e for e in self._kept if not e.exact and e.model not in self._failing)
         return next(left, None)
+
+    def kept(self, model: NoiseModel) -> Evaluation | None:
+        """The evaluation of a model, where it is still held."""
+        with self._lock:
+            return next((e for e in self._kept if e.model == model), None)
 
     def _keep(self, found: Evaluation) -> None:
         with self._lock:

@@ -41,6 +41,16 @@ def test_a_sentence_has_size_and_place():
     assert "25 °C" in said
 
 
+def test_a_place_where_the_statistic_lies_on_the_other_side_is_not_named():
+    row = {
+        "measured": 65.5, "simulated": 64.0, "unit": "DN", "scale": "linear", "channel": None,
+        "exposure_s": None,
+    }  # fmt: skip
+    z = {25.0: 12.0, 45.0: -9.0, 65.0: 7.0}
+    said = sentence("mean", [row | {"temperature_c": t, "discrepancy": z[t]} for t in z])
+    assert said.endswith("at 25 °C, 65 °C")
+
+
 def test_places_are_told_by_what_differs():
     series = [OperatingPoint(t, 0.05, 1.0) for t in (25.0, 45.0)]
     assert short_labels(series) == ["25 °C", "45 °C"]

@@ -63,6 +63,15 @@ def test_what_is_still_computed_is_said(more, text):
     assert (said.text, said.tone, said.action) == (text, "wait", "")
 
 
+@pytest.mark.parametrize(("before", "told"), [(13.3, True), (None, False), (11.0, False)])
+def test_a_fit_whose_stated_error_is_larger_is_told_to_be_closer_only_where_it_is(before, told):
+    history = History.begun(NoiseModel(()), "begun").measured(0, 10.2, {})
+    history = history.grown("fit", NoiseModel(()), ("fit",)).measured(1, 11.8, {})
+    history = history if before is None else history.beside(1, before)
+    said = verdict(_session(history=history)).text
+    assert ("the error falls from 13.3 to 11.8; 10.2 was by the larger σ" in said) == told
+
+
 def test_the_missing_effect_is_named_with_its_evidence_and_the_button_adds_it():
     words = "columns carry 38 times the power; with column_fpn the difference falls"
     found = _diagnosis("missing", [_candidate("column_fpn", 0.95, 0.82, [words])])

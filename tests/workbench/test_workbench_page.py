@@ -202,6 +202,40 @@ def _open(bench: Workbench, family: str) -> None:
     bench.page.locator(".family.chosen").filter(has_text=name).wait_for()
 
 
+WHOLE = """(list) => {
+    const box = list.getBoundingClientRect();
+    const rows = [...list.querySelectorAll("tbody tr")];
+    const seen = rows.filter((r) => getComputedStyle(r).opacity === "1");
+    const inside = seen.filter((r) => {
+        const { top, bottom } = r.getBoundingClientRect();
+        return top >= box.top - 1 && bottom <= box.bottom + 1;
+    });
+    return [rows.length, seen.length, inside.length];
+}"""  # rows of the matrix, those that are not hidden, and those of them that are not cut
+
+
+@pytest.mark.parametrize("height", [780, 813, 900])
+def test_no_row_of_the_statistics_is_cut_and_the_number_of_others_is_said(bench, height):
+    bench.page.set_viewport_size({"width": 1440, "height": height})
+    _open(bench, "Shading")
+    rows, more = bench.page.locator(".matrix .list"), bench.page.locator(".matrix .more")
+
+    def whole() -> bool:
+        count, seen, inside = rows.evaluate(WHOLE)
+        left = re.fullmatch(r"▾ (\d+) more", more.inner_text())
+        return 1 < seen == inside < count and left is not None and int(left[1]) == count - seen
+
+    try:
+        bench.until(whole, "whole rows and the number of the others")
+        while (text := more.inner_text()) != "▴ first":  # until every row has been seen
+            more.click()
+            bench.until(lambda was=text: more.inner_text() != was, "further rows")
+        more.click()
+        bench.until(whole, "the first rows")
+    finally:
+        bench.page.set_viewport_size({"width": 1440, "height": 900})
+
+
 def test_a_click_on_a_cell_marks_where_its_statistic_comes_from(bench):
     """And one of a statistic that has no place takes the marks away."""
     _open(bench, "Rows and columns")
@@ -251,6 +285,17 @@ def _box(bench: Workbench, which: str) -> tuple[float, ...]:
     """Left, top, width and height of the first element of a class."""
     box = bench.page.locator(which).first.bounding_box()
     return tuple(box[k] for k in ("x", "y", "width", "height"))
+
+
+def _still(bench: Workbench, which: str) -> tuple[float, ...]:
+    """The same, once a layout no longer moves it."""
+
+    def same() -> tuple[float, ...]:
+        before = _box(bench, which)
+        bench.page.wait_for_timeout(500)
+        return before if _box(bench, which) == before else ()
+
+    return bench.until(same, f"{which} at rest")
 
 
 def test_an_enlarged_pane_covers_the_page_and_a_second_press_puts_it_back(bench):
@@ -351,7 +396,7 @@ def test_swiped_image_has_the_height_where_there_is_some(bench, enlarged):
         else:
             bench.page.set_viewport_size({"width": 1024, "height": 813})
         bench.until(lambda: _box(bench, ".side")[1] > _box(bench, ".measured")[1] + 100, "two rows")
-        height = _box(bench, ".measured")[3]
+        height = _still(bench, ".measured")[3]
         bench.click("swipe")
         bench.until(lambda: _box(bench, ".measured")[3] > 1.7 * height, "a high image")
         assert _box(bench, ".measured")[2] > 1.9 * _box(bench, ".side")[2]

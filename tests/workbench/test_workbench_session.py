@@ -105,6 +105,35 @@ def test_the_error_is_that_of_compare_and_of_the_copied_commands(
     assert copied["error"] == pytest.approx(own, rel=1e-6)
 
 
+def test_a_fit_that_is_no_closer_is_not_taken_and_a_closer_one_is(session, fitted):
+    base = session.present
+    far = session.with_value("convolved_lognormal.delta[1]", 0.9)
+    fit = "fit", "--replicates", "0"
+    session._grow(base, "fit", far.to_plain(), fit)
+    until(lambda: "model was kept" in session.message)
+    worse = session.history.nodes[1]
+    assert session.present.number == 0
+    assert worse.before < worse.error
+    session.go(1)  # the user may look at it all the same
+    assert session.present.number == 1
+    session._grow(session.present, "fit", fitted.to_plain(), fit)
+    assert session.settle()
+    assert session.present.model == fitted
+
+
+def test_the_errors_before_and_after_a_fit_are_by_one_yardstick(session):
+    far = session.with_value("convolved_lognormal.delta[1]", 0.9)
+    session.adopt(far, "set delta")
+    assert session.settle()
+    before = session.present
+    session.fit().over.wait(300)
+    assert session.settle()
+    after = session.present
+    assert after.parent == before.number
+    assert after.before > after.error
+    assert after.before != before.error
+
+
 def test_a_preview_is_near_the_full_error_and_says_so(session):
     name = "convolved_lognormal.delta[1]"
     value = next(s.value for s in session.sliders() if s.parameter.name == name)

@@ -95,7 +95,7 @@ INFOS: tuple[StatisticInfo, ...] = (
             f"correlation of the temporal variance of pixels in {lines} 2n and 2n + 1, less "
             f"twice the size of that in {lines} 2n + 1 and 2n + 2",
             high=f"pixels in {lines} 2n and 2n + 1 are noisy together more often than in the "
-            "model: they share an amplifier",
+            "model; above 0 they share an amplifier",
             low=f"pixels in {lines} 2n and 2n + 1 are noisy together less often than in the model",
         )
         for lines in ("columns", "rows")

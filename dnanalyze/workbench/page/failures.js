@@ -15,9 +15,44 @@ export function render({ model, el }) {
   const families = made("div", "families");
   families.setAttribute("role", "listbox");
   const matrix = made("div", "matrix");
+  const list = made("div", "list");
+  const more = made("button", "more");
+  matrix.append(list, more);
   const pair = made("div", "pair");
   pair.append(families, matrix);
   el.append(pair);
+  const host = el.getRootNode().host ?? el;
+  let shown = "";  // the cell that was last brought into view, and the rows around it
+
+  // Rows are shown whole: one that is cut looks like the last.
+  const told = () => {
+    const { tHead, tBodies } = list.querySelector("table");
+    const top = list.scrollTop + tHead.offsetHeight - 1;
+    const end = list.scrollTop + list.clientHeight + 1;
+    const rows = [...tBodies[0].rows];
+    const below = rows.filter((r) => r.offsetTop + r.offsetHeight > end);
+    const whole = rows.filter((r) => r.offsetTop >= top && !below.includes(r));
+    for (const r of rows) r.className = whole.length && !whole.includes(r) ? "cut" : "";
+    more.textContent = below.length ? `▾ ${below.length} more` : "▴ first";
+    more.onclick = () => {
+      list.scrollTop = below.length ? below[0].offsetTop - tHead.offsetHeight : 0;
+    };
+  };
+  const cut = () => {
+    const table = list.querySelector("table");
+    if (!table) return;
+    const top = list.scrollTop;
+    list.style.maxHeight = "none";
+    const room = parseFloat(getComputedStyle(host).maxHeight);
+    more.hidden = !(table.offsetHeight > room);
+    if (!more.hidden) list.style.maxHeight = `${room - more.offsetHeight}px`;
+    list.scrollTop = top;
+    told();
+  };
+  list.onscroll = told;
+  const observer = new ResizeObserver(cut);
+  observer.observe(host.getRootNode().host ?? host.parentElement ?? host);
+  model.on("remove", () => observer.disconnect());
 
   const drawFamilies = () => {
     families.replaceChildren();
@@ -70,7 +105,17 @@ export function render({ model, el }) {
         cell.append(button);
       }
     }
-    matrix.replaceChildren(table);
+    list.replaceChildren(table);
+    cut();
+    const order = model.rows.map((r) => r.title).join();
+    const chosen = order + model.rows.flatMap((r) => r.cells).find((c) => c?.chosen)?.key;
+    const row = table.querySelector(".chosen")?.closest("tr");
+    if (row && chosen !== shown) {
+      const top = row.offsetTop - table.tHead.offsetHeight;
+      const hidden = row.offsetTop + row.offsetHeight > list.scrollTop + list.clientHeight;
+      if (hidden || top < list.scrollTop) list.scrollTop = top;
+    }
+    shown = chosen;
   };
   model.on("families", drawFamilies);
   model.on("rows", drawMatrix);

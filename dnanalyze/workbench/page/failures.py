@@ -321,7 +321,7 @@ def _place(row: Any) -> tuple[OperatingPoint, str]:
 
 def _looks(p: Palette) -> str:
     return f"""
-:host {{ overflow:auto; max-height:{TALL}; }}
+:host {{ overflow:hidden auto; max-height:{TALL}; }}
 .pair {{ display:grid; grid-template-columns:minmax(284px, 2fr) minmax(0, 5fr); gap:10px;
   align-content:start; }}
 button {{ font:inherit; color:inherit; border:0; background:none; cursor:pointer; padding:0; }}
@@ -339,6 +339,12 @@ button:focus-visible {{ outline:2px solid {p.present}; outline-offset:1px; }}
 .mark {{ position:absolute; top:-2px; bottom:-2px; width:3px; background:{p.wang}; }}
 .mark[hidden] {{ display:none; }}
 .matrix {{ min-width:0; align-self:start; }}
+.list {{ overflow:auto; position:relative; }}
+.cut {{ opacity:0; }}
+.list thead th {{ position:sticky; top:0; z-index:2; background:{p.card}; }}
+.more {{ display:block; width:100%; height:15px; font-size:11px; line-height:13px;
+  color:{p.present}; background:{p.background}; border-radius:2px; }}
+.more[hidden] {{ display:none; }}
 table {{ border-collapse:separate; border-spacing:1px; width:100%; }}
 th {{ font-weight:400; font-size:11px; text-align:left; line-height:1.2; padding:1px 4px 1px 0; }}
 thead th {{ text-align:center; color:{p.quiet}; vertical-align:bottom; }}

@@ -28,7 +28,7 @@ LAYERS = ("measured", "Wang 2025 model", "present model", "candidate")
 EMPTY: dict[str, list[float]] = {"x": [], "y": [], "low": [], "high": []}
 MARGIN = 0.04  # of an axis beyond the curves, on its scale
 LEFT = 58  # screen pixels to the left of both figures, so that their abscissas agree
-MOST_SIGMA = 60.0  # end of the axis of residuals at most
+MOST_SIGMA = 60.0  # residuals that are drawn, at most
 COLOURS = {"Wang 2025 model": "wang", "present model": "present", "candidate": "candidate"}
 MOST_MARKS = 12  # frequencies that a figure marks
 APART = 0.04  # share of the abscissa that the names of two marks are apart at least
@@ -136,10 +136,9 @@ class CurvePlot:
                 else residual(measured, model, axes.log_y)
             )  # fmt: skip
             data: dict[str, Any] = {"x": [], "y": []}
-            if found is not None:
-                data = {"x": found.x, "y": found.y}
-            if found is not None:
-                reach = max(reach, min(float(np.max(np.abs(found.y))) * 1.1, MOST_SIGMA))
+            if found is not None:  # what is farther off lies at the end of the axis
+                data = {"x": found.x, "y": np.clip(found.y, -MOST_SIGMA, MOST_SIGMA)}
+                reach = max(reach, float(np.max(np.abs(data["y"]))) * 1.1)
             if not all(np.array_equal(source.data[k], data[k]) for k in data):
                 source.data = data
         r = self.residuals.y_range

@@ -125,6 +125,8 @@ class Strip:
             )  # fmt: skip
             before = None if other is None or shown.exact > other.exact else other.error
             came = f"from {number(before)}; " if before is not None else ""
+            if shown.exact and history.present.before is not None:
+                came = f"from {number(history.present.before)} by this σ;<br>"
             text = (
                 f"<div class=number><span class='error {state}' title='{STATES[state]}'>"
                 f"{about}{number(shown.error)}</span>"
