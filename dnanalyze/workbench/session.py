@@ -9,7 +9,6 @@ from functools import cached_property
 from threading import Condition, RLock, Thread
 from typing import Any
 
-from dnanalyze.comparator.error import way
 from dnanalyze.errors import InputError
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.loaders.captures import CaptureSet
@@ -18,9 +17,10 @@ from dnanalyze.model.effect import Effect
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel, model_from_plain
 from dnanalyze.model.registry import WANG, find
-from dnanalyze.report.words import number, plural
+from dnanalyze.report.words import plural
 from dnanalyze.workbench import recipe
-from dnanalyze.workbench.evaluation import Evaluation, Preview, error_by
+from dnanalyze.workbench.evaluation import Evaluation, Preview
+from dnanalyze.workbench.fit_errors import refused, rises, with_errors_before
 from dnanalyze.workbench.history import History, Node
 from dnanalyze.workbench.jobs import Job, Worker
 from dnanalyze.workbench.measuring import Measurements, Superseded
@@ -325,45 +325,21 @@ class WorkbenchSession:
             present = self.present.model == found.model
             if present:
                 self.evaluation = found
-            worse = self._beside_parents(found)
+            kept = self._measurements.kept
+            self.history = with_errors_before(self._history(), found, kept)
+            fit = self.present if present and rises(self.present, found.error) else None
             self._settled.notify_all()
         self.changed("yardstick" if present else "earlier")
         self._prepared()
-        if worse is not None:
-            self._refuse(worse)
-
-    def _beside_parents(self, found: Evaluation) -> Node | None:
-        """State what fits began with by the yardstick of the fitted model; one that is no closer.
-
-        Errors by two yardsticks do not tell which model is closer: with a model that scatters more
-        the same difference is fewer sigma.
-        """
-        history = self._history()
-        for node in history.nodes:
-            if node.model != found.model or node.command[:1] != ("fit",) or node.before is not None:
-                continue
-            assert node.parent is not None
-            known = self._measurements.kept(history.node(node.parent).model)
-            if known is not None:
-                history = history.beside(node.number, error_by(found.problem, known))
-        self.history = history
-        present = history.present
-        if present.model != found.model or present.before is None:
-            return None
-        return present if way(present.before, found.error) == "rises" else None
+        if fit is not None:
+            self._refuse(fit)
 
     def _refuse(self, fit: Node) -> None:
         """Back to the model with which a fit began, unless something is under way with the fit."""
         job = self.worker.job
-        if self.present.number != fit.number or (job is not None and not job.background):
-            return
-        assert fit.before is not None
-        assert fit.error is not None
-        self.undo()
-        self.tell(
-            f"The model was kept: with the fit the model error rises from {number(fit.before)} to "
-            f"{number(fit.error)}."
-        )
+        if self.present.number == fit.number and (job is None or job.background):
+            self.undo()
+            self.tell(refused(fit))
 
     def _stated(self, number: int, found: Evaluation) -> History:
         return self._history().measured(number, found.error, found.families, found.exact)

@@ -6,11 +6,10 @@ import re
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from dnanalyze.comparator.error import way
 from dnanalyze.comparator.words import failures
 from dnanalyze.report.leads import worded
 from dnanalyze.report.words import SURE, closeness, number, percent, sentence, statistics_named
-from dnanalyze.workbench.history import Node
+from dnanalyze.workbench.fit_errors import two_yardsticks
 from dnanalyze.workbench.session import WorkbenchSession
 
 Tone = Literal["wait", "bad", "open", "good"]
@@ -62,25 +61,9 @@ def verdict(session: WorkbenchSession) -> Verdict:
         return _answered(answer)
     worst = failures(evaluation.rows, most=1)
     said = sentence(worst[0]) if worst else sentence(closeness(node.error))
-    parent = None if node.parent is None else history.nodes[node.parent]
-    if parent is not None and (told := two_units(node, parent)):
-        said += f" {told}"
+    if node.parent is not None:
+        said = f"{said} {two_yardsticks(node, history.node(node.parent))}".strip()
     return Verdict(said, "bad" if worst else "open", "diagnose")
-
-
-def two_units(fit: Node, parent: Node) -> str:
-    """Why a fit that is closer has the larger stated error; nothing where it has not.
-
-    Each error is in units of the scatter of its own model over simulated sensors.
-    """
-    if fit.before is None or fit.error is None or parent.error is None or not parent.exact:
-        return ""
-    if way(parent.error, fit.error) != "rises" or way(fit.before, fit.error) == "rises":
-        return ""
-    return (
-        f"The fit is closer: by the σ of this model the error falls from {number(fit.before)} to "
-        f"{number(fit.error)}; {number(parent.error)} was by the larger σ of the model before."
-    )
 
 
 def _unfinished(found: dict[str, Any], goes_on: bool) -> Verdict:
