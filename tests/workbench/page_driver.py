@@ -35,10 +35,12 @@ def served(folder: Path, *options: str) -> Iterator[str]:
 
 
 class Workbench:
-    """An open page."""
+    """An open page, of a browser that is slower by a factor."""
 
-    def __init__(self, browser: Any, address: str) -> None:
+    def __init__(self, browser: Any, address: str, slower: float = 1) -> None:
         self.page = browser.new_page(viewport={"width": 1440, "height": 900})
+        speed = self.page.context.new_cdp_session(self.page)
+        speed.send("Emulation.setCPUThrottlingRate", {"rate": slower})
         self.page.set_default_timeout(1000 * PATIENCE_S)
         self.outside: list[str] = []
         self.errors: list[str] = []

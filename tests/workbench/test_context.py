@@ -61,3 +61,63 @@ def test_a_result_for_a_page_that_is_gone_is_dropped(destroyed, called):
     document = SimpleNamespace(session_context=session, add_next_tick_callback=calls.append)
     Context(None, LIGHT, document).back(lambda: None)
     assert len(calls) == called
+
+
+class Page:
+    """A document whose calls of the next tick are carried out when the test says so."""
+
+    def __init__(self) -> None:
+        self.session_context = SimpleNamespace(destroyed=False)
+        self.calls = []
+        self.add_next_tick_callback = self.calls.append
+        self.callbacks = SimpleNamespace(hold_value=None)
+        self.hold, self.unhold = (lambda policy: None), (lambda: None)
+
+    def tick(self) -> None:
+        while self.calls:
+            self.calls.pop(0)()
+
+
+def test_what_comes_while_the_browser_draws_waits_and_keeps_its_order():
+    page, place, done = Page(), SimpleNamespace(), []
+    context = Context(None, LIGHT, page)
+    context.back(lambda: done.append("on its way when panes are sent"))
+    context.send(place, ["pane"])
+    context.back(lambda: done.append("later"))
+    page.tick()
+    assert (done, context.drawing) == ([], True)
+    pane, mark = place.objects
+    mark._handle_msg(True)
+    page.tick()
+    assert pane == "pane"
+    assert (done, context.drawing) == (["on its way when panes are sent", "later"], False)
+
+
+def test_a_pane_sent_by_what_waited_holds_the_rest():
+    page, first, second, done = Page(), SimpleNamespace(), SimpleNamespace(), []
+    context = Context(None, LIGHT, page)
+    context.send(first, [])
+    context.back(lambda: context.send(second, []))
+    context.back(lambda: done.append("news"))
+    first.objects[-1]._handle_msg(True)
+    page.tick()
+    assert done == []
+    first.objects[-1]._handle_msg(True)  # of panes that are drawn already
+    page.tick()
+    assert done == []
+    second.objects[-1]._handle_msg(True)
+    page.tick()
+    assert done == ["news"]
+
+
+def test_news_that_a_pane_tells_while_the_browser_draws_is_told_after():
+    page, place, told = Page(), SimpleNamespace(), []
+    context = Context(None, LIGHT, page)
+    context.listeners.append(told.append)
+    context.send(place, [])
+    context.tell("preview")
+    page.tick()
+    assert told == []
+    place.objects[-1]._handle_msg(True)
+    page.tick()
+    assert told == ["preview"]

@@ -21,7 +21,12 @@ def test_a_slider_that_has_moved_on_keeps_its_move_when_its_last_one_is_adopted(
         present=SimpleNamespace(model=adopted), known={}, sliders=list, removed=[], history=object()
     )
     context = SimpleNamespace(
-        palette=LIGHT, listeners=[], session=session, draft=adopted, act=lambda action: None
+        palette=LIGHT,
+        listeners=[],
+        session=session,
+        draft=adopted,
+        act=lambda action: None,
+        send=lambda place, panes: None,
     )
     pane = Model(context)
     pane._rested()

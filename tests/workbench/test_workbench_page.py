@@ -49,6 +49,16 @@ def test_a_second_page_begins_with_the_view_of_the_first(bench, browser, address
     other.page.close()
 
 
+def test_a_slow_browser_opens_the_page_without_an_error(browser, address):
+    """It draws the panes while the first results arrive."""
+    slow = Workbench(browser, address, slower=6)
+    for side in ("all spectra", "spectrum"):
+        slow.click(side)
+    slow.settled()
+    assert slow.errors == []
+    slow.page.close()
+
+
 def test_what_changes_together_is_laid_out_once(bench):
     bench.settled()
     count = """async () => {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -81,20 +81,32 @@ def page(
         context.back(lambda: tell(what))
 
     def begin() -> None:
+        session.listeners.append(listener)
         with context.combined(exchanging=True):
-            panes = {name: kind(context).view for name, kind in later.items()}
-            session.listeners.append(listener)
-            _all(context)
-            for name, pane in panes.items():  # with what they show: a browser fails at changes of
-                areas[name].objects = [pane]  # a widget that it has not drawn yet
+            _all(context, context.listeners)
+        draw()
         begun()
 
-    pn.state.onload(begin)  # a change of panes is lost before the browser has the document
+    def draw() -> None:
+        """Send the next pane, with what it shows; the one after it when the browser has drawn it."""
+        name = next(iter(later), None)
+        if name is None:
+            return
+        there = len(context.listeners)
+        with context.combined(exchanging=True):
+            pane = later.pop(name)(context).view
+            _all(context, context.listeners[there:])
+            context.send(areas[name], [pane])
+        context.back(draw)
+
+    whole = pn.Column(sizing_mode="stretch_both", margin=0, stylesheets=[layout()])
+    context.send(whole, list(areas.values()))
+    pn.state.onload(lambda: context.back(begin))
     pn.state.on_session_destroyed(lambda _: _forget(session, listener))
     for area, pane in areas.items():
         least = {"min-width": "0"} | ({} if area == "strip" else {"min-height": "0"})
         pane.styles = {**pane.styles, "grid-area": area, **least}
-    return pn.Column(*areas.values(), sizing_mode="stretch_both", margin=0, stylesheets=[layout()])
+    return whole
 
 
 def _pane(p: Palette) -> Any:
@@ -120,8 +132,8 @@ class OneLayout(JSComponent):
     _esm = Path(__file__).with_name("one_layout.js").read_text(encoding="utf-8")
 
 
-def _all(context: Context) -> None:
-    """Show a session as it is, when a page is opened or reloaded."""
+def _all(context: Context, listeners: Sequence[Callable[[str], None]]) -> None:
+    """Show a session as it is to panes that have not been sent, or have been drawn."""
     session = context.session
     context.shown = session.evaluation
     for what in ("statistics", "history", "evaluation", "diagnosis", "detection", "message"):
@@ -129,7 +141,8 @@ def _all(context: Context) -> None:
             continue
         if what == "evaluation" and session.evaluation is None:
             continue
-        context.tell(what)
+        for listener in listeners:
+            listener(what)
 
 
 def _forget(session: WorkbenchSession, listener: Any) -> None:

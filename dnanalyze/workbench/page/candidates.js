@@ -50,5 +50,4 @@ export function render({ model, el }) {
   model.on("rows", draw);
   model.on("busy", draw);
   draw();
-  requestAnimationFrame(() => model.send_msg({ drawn: true }));
 }

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from threading import Thread
 from typing import Any
+
+import panel as pn
 
 from dnanalyze.errors import InputError
 from dnanalyze.model.noise_model import NoiseModel
@@ -14,6 +16,7 @@ from dnanalyze.workbench.curves import Address
 from dnanalyze.workbench.evaluation import Evaluation
 from dnanalyze.workbench.history import Node
 from dnanalyze.workbench.page.background import Latest
+from dnanalyze.workbench.page.drawn import Drawn
 from dnanalyze.workbench.page.style import Palette
 from dnanalyze.workbench.session import WorkbenchSession
 
@@ -51,15 +54,59 @@ class Context:
 
     def __post_init__(self) -> None:
         self.latest = Latest(self.back)
+        self._undrawn: Drawn | None = None  # of the panes that were sent last
+        self._held: list[Callable[[], None]] = []
+
+    @property
+    def drawing(self) -> bool:
+        """Whether the browser has still to draw panes that it was sent."""
+        return self._undrawn is not None
 
     def back(self, call: Callable[[], None]) -> None:
-        """Call a function in the document's thread; nothing where the page has been closed."""
+        """Call a function in the document's thread; nothing where the page has been closed.
+
+        While the browser has still to draw panes that it was sent, the call waits.
+        """
         session = self.document.session_context  # none, once the document is gone
         if session is not None and not session.destroyed:
-            self.document.add_next_tick_callback(call)
+            self.document.add_next_tick_callback(lambda: self._call(call))
+
+    def _call(self, call: Callable[[], None]) -> None:
+        if self.drawing:
+            self._held.append(call)
+        else:
+            call()
+
+    def every(self, period_ms: int, call: Callable[[], None]) -> Any:
+        """Call a function periodically, but not while the browser has still to draw panes."""
+
+        def tick() -> None:
+            if not self.drawing:
+                call()
+
+        return pn.state.add_periodic_callback(tick, period=period_ms)
+
+    def send(self, place: Any, panes: Sequence[Any]) -> None:
+        """Put new panes in a place of the page; in the document's thread.
+
+        A browser makes a widget in several steps, and fails at a change of one that is not drawn
+        yet: what would change the page waits until it has drawn these.
+        """
+        self._undrawn = Drawn(self._drawn)
+        place.objects = [*panes, self._undrawn]
+
+    def _drawn(self, mark: Drawn) -> None:
+        """The browser has drawn panes; those that others have replaced do not count."""
+        if mark is self._undrawn:
+            self._undrawn, held, self._held = None, self._held, []
+            for call in held:
+                self.back(call)
 
     def tell(self, what: str) -> None:
         """Tell every pane what has changed, in one message; in the document's thread."""
+        if self.drawing:
+            self.later(what)
+            return
         with self.combined(exchanging=what not in LIVE):
             for listener in self.listeners:
                 listener(what)

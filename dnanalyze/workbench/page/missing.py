@@ -32,13 +32,12 @@ TICK_MS = 250  # between two readings of a task's progress
 
 
 class CandidateList(JSComponent):
-    """Rows that tell when they are drawn, when the pointer is over them and when one is added."""
+    """Rows that tell when the pointer is over one and when one is added."""
 
     rows = param.List(default=[], doc="Mappings of texts; see candidates.js.")
     busy = param.Boolean(default=False, doc="Whether a task is under way.")
     hovered = param.String(default="")
     added = param.Event(default=False)
-    drawn = param.Boolean(default=False, doc="Whether the browser has drawn them, and the pane.")
     effect = ""
 
     _esm = Path(__file__).with_name("candidates.js").read_text(encoding="utf-8")
@@ -46,9 +45,7 @@ class CandidateList(JSComponent):
     def _handle_msg(self, message: Any) -> None:
         if not isinstance(message, dict):
             return
-        if "drawn" in message:
-            self.drawn = True
-        elif "hover" in message:
+        if "hover" in message:
             self.hovered = str(message["hover"])
         elif "add" in message:
             self.effect = str(message["add"])
@@ -97,7 +94,7 @@ class Missing:
         ])  # fmt: skip
         context.listeners.append(self.update)
         self._enable()
-        pn.state.add_periodic_callback(self._tick, period=TICK_MS)
+        context.every(TICK_MS, self._enable)
 
     def _add(self) -> Any:
         """Add a candidate; a search that still goes on ends."""
@@ -116,7 +113,7 @@ class Missing:
         elif what == "history":
             self._aged()
         elif what == "message":
-            self._tick()  # a message often tells the end of a task
+            self._enable()  # a message often tells the end of a task
             found = self.context.session.diagnosis
             if found is not None and not found["finished"]:
                 self._unfinished()
@@ -124,10 +121,6 @@ class Missing:
     def _unfinished(self) -> None:
         rest = "goes on" if self.context.session.worker.runs("diagnose") else "was ended"
         self.verdict.object = f"<span class=loading>Candidates so far; the search {rest}.</span>"
-
-    def _tick(self) -> None:
-        if self.list.drawn:  # a browser fails at a button that changes before it is drawn
-            self._enable()
 
     def _enable(self) -> None:
         job = self.context.session.worker.job

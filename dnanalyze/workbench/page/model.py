@@ -109,7 +109,7 @@ class Model:
         for name in session.removed:
             if name not in present:
                 made.append(self._header(session.known[name], False))
-        self.list.objects = made
+        self.context.send(self.list, made)
 
     def _parameters(self, sliders: list[Slider]) -> list[Any]:
         """Rows of an effect; numbers of one parameter share a name, many of them one row."""

@@ -373,7 +373,7 @@ class Sensor:
                 self._turned = not self._turned
                 self._compose()
 
-            self._timer = pn.state.add_periodic_callback(turn, period=600)
+            self._timer = self.context.every(600, turn)
         elif not blinking and self._timer is not None:
             self._timer.stop()
             self._timer, self._turned = None, False

@@ -78,7 +78,7 @@ class Strip:
             },
         )  # fmt: skip
         context.listeners.append(self.update)
-        pn.state.add_periodic_callback(self.tick, period=TICK_MS)
+        context.every(TICK_MS, self.tick)
         self.update("history")
 
     def update(self, what: str) -> None:
