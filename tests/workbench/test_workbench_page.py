@@ -84,7 +84,7 @@ def test_each_figure_beside_the_images_is_drawn_when_it_is_chosen(bench, side, s
     bench.click(side)
     script = f"""() => {{
         const found = Bokeh.documents.map((d) => d.get_model_by_name("{source}")).find((m) => m);
-        return found.data.{column}.length;
+        return found ? found.data.{column}.length : 0;
     }}"""
     bench.until(lambda: bench.page.evaluate(script) > 3, f"the curves of {side}")
     canvas = bench.page.locator(".side .bk-Figure").filter(visible=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -52,14 +52,8 @@ def page(
     colours = palette(theme)
     context = Context(session, colours, pn.state.curdoc)
     bar, strip, failures = TopBar(context, query, others), Strip(context), Failures(context)
-    later: dict[str, Callable[[Context], Any]] = {
-        "sensor": Sensor,
-        "model": Model,
-        "missing": Missing,
-        "history": HistoryPane,
-    }
     areas = {"bar": bar.view, "strip": strip.view, "fails": failures.view}
-    areas |= {name: _pane(context.palette) for name in later}
+    areas |= {name: _pane(context.palette) for name in ("sensor", "model", "missing", "history")}
 
     def tell(what: str, said: str = "") -> None:
         known, draft = session.evaluation, context.draft
@@ -84,20 +78,35 @@ def page(
         session.listeners.append(listener)
         with context.combined(exchanging=True):
             _all(context, context.listeners)
-        draw()
+        proceed()
         begun()
 
-    def draw() -> None:
-        """Send the next pane, with what it shows; the one after it when the browser has drawn it."""
-        name = next(iter(later), None)
-        if name is None:
-            return
+    def put(area: str, kind: Callable[[Context], Any]) -> Any:
+        """Make a pane, and send it with what it shows."""
         there = len(context.listeners)
         with context.combined(exchanging=True):
-            pane = later.pop(name)(context).view
+            pane = kind(context)
             _all(context, context.listeners[there:])
-            context.send(areas[name], [pane])
-        context.back(draw)
+            context.send(areas[area], [pane.view])
+        return pane
+
+    def opening() -> Iterator[None]:
+        """Send pane after pane, the frames first; meanwhile the browser draws the one before."""
+        sensor = put("sensor", Sensor)
+        yield
+        sensor.side.open()
+        yield
+        put("model", Model)
+        yield
+        put("missing", Missing)
+        yield
+        put("history", HistoryPane)
+
+    steps = opening()
+
+    def proceed() -> None:
+        if next(steps, False) is None:
+            context.back(proceed)
 
     whole = pn.Column(sizing_mode="stretch_both", margin=0, stylesheets=[layout()])
     context.send(whole, list(areas.values()))

@@ -61,7 +61,7 @@ class Sensor:
         self._make_controls(style)
         self.marks = pn.pane.HTML("", stylesheets=style, margin=(4, 0, 0, 4), css_classes=["marks"])
         self.images = Images(p, self.captures.sensor.shape, self._pixel, self._changed)
-        self.side = Side(context)
+        self.side = Side(context, self.view_of, self.captures.settings[0].point)
         self.places = pn.Column(
             *(
                 pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_both", css_classes=[n])
