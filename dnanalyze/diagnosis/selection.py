@@ -66,6 +66,9 @@ class Trial:
         Fall of the deviance of each statistic, of either half.
     formed : bool
         Whether its other forms were tried, and none is better.
+    by_design : bool
+        Whether the captures are compared with sensors of the design of the guess, and not with one
+        of them that is refitted.
     denied : str
         The test of the captures that excludes the effect (`filter_tests`, `classifier_tests`), in
         words; empty where none does.
@@ -81,6 +84,7 @@ class Trial:
     others: tuple[Guess, ...] = ()
     falls: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False)
     formed: bool = False
+    by_design: bool = False
     denied: str = ""
 
     @property

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from dnanalyze.comparator.error import ERROR_SCATTER, way
 from dnanalyze.comparator.predictive_check import FittedModel, error_of
@@ -62,7 +63,7 @@ from dnanalyze.fitting.least_squares import minimise
 from dnanalyze.fitting.problem import FitProblem
 from dnanalyze.fitting.state import State, carried, start
 from dnanalyze.fitting.time_limit import TimeLimit
-from dnanalyze.fitting.yardstick import by_design, expressed, fitted_in
+from dnanalyze.fitting.yardstick import by_design, expressed, fitted_by_design, fitted_in
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.registry import BASE, BASELINE
 from dnanalyze.progress import ignored
@@ -365,7 +366,13 @@ class Search:
             found.append((rest[0], rest))
             states.append(completed(problem, rest[0]))
         if self.whole is None:  # that of a part is only where the fit of the whole field begins
-            states[-1] = converge(problem, states[-1], rounds=1, settled=DEFLATION, last=False)
+            fit = partial(converge, rounds=1, settled=DEFLATION, last=False)
+            one_sensor = not any(trial.by_design for trial, _ in found)
+            states[-1] = (
+                fit(problem, states[-1])
+                if one_sensor
+                else fitted_by_design(problem, states[-1], fit)
+            )
         errors = self._errors([self._at_home(s, null) for s in states])
         made, before = [], null.state
         for (trial, among), state, error in zip(found, states, errors, strict=True):

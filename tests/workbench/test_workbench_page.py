@@ -651,7 +651,7 @@ def test_every_figure_is_downloaded(bench):
     bench.click("pixel")
     for label in ("CSV", "PNG", "SVG"):
         buttons = bench.page.get_by_text(label, exact=True)
-        assert buttons.count() == len(HEADS)
+        bench.until(lambda b=buttons: b.count() == len(HEADS), f"the buttons {label}")
         heads = []
         for i in range(len(HEADS)):
             with bench.page.expect_download() as caught:
