@@ -51,7 +51,9 @@ def page(
     """
     colours = palette(theme)
     context = Context(session, colours, pn.state.curdoc)
-    bar, strip, failures = TopBar(context, query, others), Strip(context), Failures(context)
+    bar, strip = TopBar(context, query, others), Strip(context)
+    light = len(context.listeners)  # the panes that a browser draws at once
+    failures = Failures(context)
     areas = {"bar": bar.view, "strip": strip.view, "fails": failures.view}
     areas |= {name: _pane(context.palette) for name in ("sensor", "model", "missing", "history")}
 
@@ -76,10 +78,13 @@ def page(
 
     def begin() -> None:
         session.listeners.append(listener)
-        with context.combined(exchanging=True):
-            _all(context, context.listeners)
+        show(context.listeners[:light])
         proceed()
         begun()
+
+    def show(listeners: Sequence[Callable[[str], None]]) -> None:
+        with context.combined(exchanging=True):
+            _all(context, listeners)
 
     def put(area: str, kind: Callable[[Context], Any]) -> Any:
         """Make a pane, and send it with what it shows."""
@@ -92,8 +97,10 @@ def page(
 
     def opening() -> Iterator[None]:
         """Send pane after pane, the frames first; meanwhile the browser draws the one before."""
+        heavy = context.listeners[light:]
         sensor = put("sensor", Sensor)
         yield
+        show(heavy)
         sensor.side.open()
         yield
         put("model", Model)
