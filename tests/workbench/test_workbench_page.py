@@ -291,6 +291,23 @@ def test_nothing_is_wider_than_a_narrow_page_and_all_of_it_can_be_scrolled_to(be
         bench.page.set_viewport_size({"width": 1440, "height": 900})
 
 
+def test_labels_too_wide_for_the_matrix_stand_upright(bench):
+    labels = bench.page.locator(".list thead th:not(:first-child) span")
+    before = labels.all_inner_texts()
+    write = "(spans, texts) => spans.forEach((s, i) => { s.textContent = texts[i]; })"
+    fits = "t => t.classList.contains('steep') && t.offsetWidth <= t.parentElement.clientWidth"
+    table = bench.page.locator(".list table")
+    assert not table.evaluate(fits)
+    try:
+        labels.evaluate_all(write, ["0.000169 s, gain 1"] * len(before))
+        bench.page.set_viewport_size({"width": 1024, "height": 900})
+        bench.until(lambda: table.evaluate(fits), "upright labels")
+    finally:
+        labels.evaluate_all(write, before)
+        bench.page.set_viewport_size({"width": 1440, "height": 900})
+    bench.until(lambda: not table.evaluate(fits), "labels in a row")
+
+
 def _box(bench: Workbench, which: str) -> tuple[float, ...]:
     """Left, top, width and height of the first element of a class."""
     box = bench.page.locator(which).first.bounding_box()

@@ -38,10 +38,14 @@ export function render({ model, el }) {
       list.scrollTop = below.length ? below[0].offsetTop - tHead.offsetHeight : 0;
     };
   };
+  // upright, many labels leave no width for the names of the statistics
+  const many = () => model.columns.length > 8 || model.columns.join("").length > 48;
   const cut = () => {
     const table = list.querySelector("table");
     if (!table) return;
     const top = list.scrollTop;
+    table.classList.toggle("steep", many());
+    if (table.offsetWidth > list.clientWidth) table.classList.add("steep");
     list.style.maxHeight = "none";
     const room = parseFloat(getComputedStyle(host).maxHeight);
     more.hidden = !(table.offsetHeight > room);
@@ -81,9 +85,8 @@ export function render({ model, el }) {
     const corner = made("th");
     corner.append(html("quiet", model.corner));
     head.append(corner);
-    const steep = model.columns.length > 8 || model.columns.join("").length > 48;
     for (const c of model.columns) {
-      const th = made("th", steep ? "steep" : "");
+      const th = made("th");
       th.append(made("span", "", c));
       head.append(th);
     }

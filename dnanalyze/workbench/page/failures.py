@@ -349,7 +349,7 @@ table {{ border-collapse:separate; border-spacing:1px; width:100%; }}
 th {{ font-weight:400; font-size:11px; text-align:left; line-height:1.2; padding:1px 4px 1px 0; }}
 thead th {{ text-align:center; color:{p.quiet}; vertical-align:bottom; }}
 thead th:first-child {{ text-align:left; }}
-th.steep span {{ writing-mode:vertical-rl; transform:rotate(180deg); }}
+.steep thead th:not(:first-child) span {{ writing-mode:vertical-rl; transform:rotate(180deg); }}
 thead th span {{ white-space:nowrap; }}
 td {{ padding:0; min-width:22px; height:20px; }}
 .cell {{ width:100%; height:100%; min-height:20px; text-align:center; font-size:11px;
