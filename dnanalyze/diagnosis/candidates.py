@@ -48,8 +48,6 @@ STARTS = 3
 # are no straight line. From 27 times their size, column offsets began at 0.08 of it, where the
 # statistics hardly move, and stayed there.
 WEAKER = 1.0 / GROWTH
-
-
 # Times the distance of two sensors of a design that the captures may be from one of them. Codes of
 # random widths are at 0.8 to 1.9; of 15 guesses of effects that are not there the least is at 3.1.
 AS_SENSORS = 2.0
@@ -177,7 +175,7 @@ def as_sensors(null: FittedModel, guesses: Sequence[Guess], found: Trial) -> Tri
         other = problem.train.z(problem.replicate(guess.model, 0)[0])
         if begun.loss <= AS_SENSORS * float(np.sum(deviance(begun.train - other))):
             trial = trial_by_prediction(null, trial_of(null, guess.effect, begun))
-            made.append(replace(trial, formed=True, by_design=True))
+            made.append(replace(trial, by_design=True))
     if not made:
         return found
     return max(trial_by_prediction(null, found), *made, key=lambda t: t.evidence)

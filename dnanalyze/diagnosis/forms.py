@@ -30,13 +30,14 @@ def completed(problem: FitProblem, found: Trial) -> State:
     """The model with the best form and strength of an effect.
 
     Where the model error is above 1 or replicates reject the model, so that a better one can be
-    told from it, other forms are tried until none of them is better.
+    told from it, other forms are tried until none of them is better. A candidate that is judged by
+    sensors of its design stays as it is: forms are compared on one sensor.
     """
 
     def better_is_told(state: State) -> bool:
         return error_of(problem, state) > 1.0 or not FittedModel.of(problem, state).adequate
 
-    while not found.formed and better_is_told(found.state):
+    while not (found.formed or found.by_design) and better_is_told(found.state):
         better = in_best_form(problem, found)
         if better is found.state:
             break

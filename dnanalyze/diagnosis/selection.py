@@ -67,8 +67,8 @@ class Trial:
     formed : bool
         Whether its other forms were tried, and none is better.
     by_design : bool
-        Whether the captures are compared with sensors of the design of the guess, and not with one
-        of them that is refitted.
+        Whether the captures are compared with sensors of the design of a guess, and not with one
+        sensor that is refitted.
     denied : str
         The test of the captures that excludes the effect (`filter_tests`, `classifier_tests`), in
         words; empty where none does.

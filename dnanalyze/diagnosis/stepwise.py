@@ -367,12 +367,9 @@ class Search:
             states.append(completed(problem, rest[0]))
         if self.whole is None:  # that of a part is only where the fit of the whole field begins
             fit = partial(converge, rounds=1, settled=DEFLATION, last=False)
-            one_sensor = not any(trial.by_design for trial, _ in found)
-            states[-1] = (
-                fit(problem, states[-1])
-                if one_sensor
-                else fitted_by_design(problem, states[-1], fit)
-            )
+            if any(trial.by_design for trial, _ in found):
+                fit = partial(fitted_by_design, fit=fit)
+            states[-1] = fit(problem, states[-1])
         errors = self._errors([self._at_home(s, null) for s in states])
         made, before = [], null.state
         for (trial, among), state, error in zip(found, states, errors, strict=True):

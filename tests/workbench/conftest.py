@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from page_driver import Workbench, served
 from small_sensor import write_sensor
 
 import dnanalyze
@@ -40,3 +41,24 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def fitted(folder: Path) -> NoiseModel:
     """The Wang 2025 model, fitted to that sensor."""
     return dnanalyze.fit(dnanalyze.load(str(folder)), replicates=0).model
+
+
+@pytest.fixture(scope="session")
+def series(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A sensor of five temperatures, so that parameters share a plot on the page."""
+    return write_sensor(tmp_path_factory.mktemp("page") / "sensor", every=1)
+
+
+@pytest.fixture(scope="module")
+def address(series: Path) -> Iterator[str]:
+    """Of a server that shows the series."""
+    with served(series) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def bench(browser: Any, address: str) -> Iterator[Workbench]:
+    """An open page of it, on which no script fails in any test."""
+    made = Workbench(browser, address)
+    yield made
+    assert made.errors == []

@@ -110,3 +110,24 @@ class Workbench:
     def click(self, name: str) -> None:
         """A button."""
         self.page.get_by_role("button", name=name, exact=True).first.click()
+
+    def open(self, family: str) -> None:
+        """Click on a family, and wait for its cells: a click on those before means another one."""
+        name = re.compile(f"^{family}")
+        self.page.locator(".family").filter(has_text=name).click()
+        self.page.locator(".family.chosen").filter(has_text=name).wait_for()
+
+    def box(self, which: str) -> tuple[float, ...]:
+        """Left, top, width and height of the first element of a class."""
+        box = self.page.locator(which).first.bounding_box()
+        return tuple(box[k] for k in ("x", "y", "width", "height"))
+
+    def still(self, which: str) -> tuple[float, ...]:
+        """The same, once a layout no longer moves it."""
+
+        def same() -> tuple[float, ...]:
+            before = self.box(which)
+            self.page.wait_for_timeout(500)
+            return before if self.box(which) == before else ()
+
+        return self.until(same, f"{which} at rest")

@@ -5,32 +5,13 @@ from __future__ import annotations
 import itertools
 import re
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from page_driver import PATIENCE_S, Workbench, served
-from small_sensor import write_sensor
 
 pytest.importorskip("panel", reason="the extra workbench is not installed")
-
-
-@pytest.fixture(scope="module")
-def series(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A sensor of five temperatures, so that parameters share a plot on the page."""
-    return write_sensor(tmp_path_factory.mktemp("page") / "sensor", every=1)
-
-
-@pytest.fixture(scope="module")
-def address(series) -> Iterator[str]:
-    with served(series) as found:
-        yield found
-
-
-@pytest.fixture(scope="module")
-def bench(browser, address) -> Workbench:
-    return Workbench(browser, address)
 
 
 def test_the_frames_show_before_the_statistics_are_taken(bench):
@@ -59,21 +40,6 @@ def test_a_slow_browser_opens_the_page_without_an_error(browser, address):
     slow.page.close()
 
 
-def test_what_changes_together_is_laid_out_once(bench):
-    bench.settled()
-    count = """async () => {
-        let root = [...Bokeh.index.roots][0], count = 0;
-        const before = root.compute_layout;
-        root.compute_layout = function () { count += 1; return before.call(this); };
-        const frame = () => new Promise((done) => requestAnimationFrame(done));
-        for (let i = 0; i < 5; i++) root.invalidate_layout();
-        await frame();
-        root.compute_layout = before;
-        return count;
-    }"""
-    assert bench.page.evaluate(count) == 1
-
-
 @pytest.mark.parametrize(
     ("side", "source", "column"),
     [("spectrum", "beside of measured", "x"), ("all spectra", "all spectra of measured", "xs"),
@@ -89,27 +55,6 @@ def test_each_figure_beside_the_images_is_drawn_when_it_is_chosen(bench, side, s
     bench.until(lambda: bench.page.evaluate(script) > 3, f"the curves of {side}")
     canvas = bench.page.locator(".side .bk-Figure").filter(visible=True)
     bench.until(lambda: canvas.count() and canvas.first.bounding_box()["height"] > 60, "a plot")
-
-
-def test_a_layout_while_a_plot_is_still_being_made_is_tried_again(bench):
-    bench.settled()
-    fails_twice = """async () => {
-        const root = [...Bokeh.index.roots][0];
-        let count = 0;
-        root.measure_layout = function () {
-            count += 1;
-            if (count < 3) throw new Error("no layout yet");
-            delete root.measure_layout;
-            root.measure_layout();
-        };
-        root.compute_layout();
-        const end = performance.now() + 60000;
-        const pause = () => new Promise((done) => setTimeout(done, 200));
-        do await pause(); while (count < 3 && performance.now() < end);
-        return count;
-    }"""
-    assert bench.page.evaluate(fails_twice) == 3
-    assert bench.errors == []
 
 
 def _drawn(bench: Workbench) -> dict[str, Any]:
@@ -166,7 +111,7 @@ def test_one_figure_follows_every_pair_of_families_however_quickly(bench):
         )  # fmt: skip
 
     def below() -> float:
-        return _box(bench, ".curve")[1] - _box(bench, ".statistic")[1]
+        return bench.box(".curve")[1] - bench.box(".statistic")[1]
 
     gap = below()
     for step, name in enumerate(_all_pairs(list(AXES))):
@@ -205,59 +150,18 @@ def test_the_residuals_of_a_curve_are_drawn_below_it(bench):
     )
 
 
-def _open(bench: Workbench, family: str) -> None:
-    """Click on a family, and wait for its cells: a click on those before means another one."""
-    name = re.compile(f"^{family}")
-    bench.page.locator(".family").filter(has_text=name).click()
-    bench.page.locator(".family.chosen").filter(has_text=name).wait_for()
-
-
-WHOLE = """(list) => {
-    const box = list.getBoundingClientRect();
-    const rows = [...list.querySelectorAll("tbody tr")];
-    const seen = rows.filter((r) => getComputedStyle(r).opacity === "1");
-    const inside = seen.filter((r) => {
-        const { top, bottom } = r.getBoundingClientRect();
-        return top >= box.top - 1 && bottom <= box.bottom + 1;
-    });
-    return [rows.length, seen.length, inside.length];
-}"""  # rows of the matrix, those that are not hidden, and those of them that are not cut
-
-
-@pytest.mark.parametrize("height", [780, 813, 900])
-def test_no_row_of_the_statistics_is_cut_and_the_number_of_others_is_said(bench, height):
-    bench.page.set_viewport_size({"width": 1440, "height": height})
-    _open(bench, "Shading")
-    rows, more = bench.page.locator(".matrix .list"), bench.page.locator(".matrix .more")
-
-    def whole() -> bool:
-        count, seen, inside = rows.evaluate(WHOLE)
-        left = re.fullmatch(r"▾ (\d+) more", more.inner_text())
-        return 1 < seen == inside < count and left is not None and int(left[1]) == count - seen
-
-    try:
-        bench.until(whole, "whole rows and the number of the others")
-        while (text := more.inner_text()) != "▴ first":  # until every row has been seen
-            more.click()
-            bench.until(lambda was=text: more.inner_text() != was, "further rows")
-        more.click()
-        bench.until(whole, "the first rows")
-    finally:
-        bench.page.set_viewport_size({"width": 1440, "height": 900})
-
-
 def test_a_click_on_a_cell_marks_where_its_statistic_comes_from(bench):
     """And one of a statistic that has no place takes the marks away."""
-    _open(bench, "Rows and columns")
+    bench.open("Rows and columns")
     row = bench.page.locator("tr").filter(has_text=re.compile(r"^(?!.*(temporal|in time)).*column"))
     row.first.locator(".cell").last.click()
     marks = bench.page.locator(".marks .quiet").filter(has_text="marked: ")
     marks.filter(has_text="column").wait_for()
-    _open(bench, "Hot-pixel tail")
+    bench.open("Hot-pixel tail")
     row = bench.page.locator("tr").filter(has_text="pixels above 5 robust sigma")
     row.locator(".cell").first.click()
     bench.until(lambda: min(_lengths(bench, "marked pixels")) > 0, "marked pixels")
-    _open(bench, "Shading")
+    bench.open("Shading")
 
     def cleared() -> bool:  # a cell that is drawn anew meanwhile takes no click
         bench.page.locator(".cell").last.click()
@@ -265,181 +169,6 @@ def test_a_click_on_a_cell_marks_where_its_statistic_comes_from(bench):
 
     bench.until(cleared, "no marks")
     bench.until(lambda: marks.count() == 0, "no words of marks")
-
-
-def test_the_histogram_of_a_narrow_page_is_as_wide_as_its_frames(bench):
-    bench.page.set_viewport_size({"width": 1024, "height": 768})
-    try:
-        shown = bench.page.locator(".side")
-        bench.until(lambda: shown.bounding_box()["width"] > 900, "a wide histogram")
-    finally:
-        bench.page.set_viewport_size({"width": 1440, "height": 900})
-
-
-def test_nothing_is_wider_than_a_narrow_page_and_all_of_it_can_be_scrolled_to(bench):
-    bench.page.set_viewport_size({"width": 1024, "height": 768})
-    size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
-    try:
-        bench.until(lambda: bench.page.evaluate(size)[0] == 1024, "a page as wide as the window")
-        assert bench.page.evaluate(size)[1] > 768
-        report = bench.page.get_by_text("CI targets")
-        report.scroll_into_view_if_needed()
-        box = report.bounding_box()
-        assert 0 <= box["x"] <= 1024
-        assert 0 <= box["y"] <= 768
-    finally:
-        bench.page.set_viewport_size({"width": 1440, "height": 900})
-
-
-def test_labels_too_wide_for_the_matrix_stand_upright(bench):
-    labels = bench.page.locator(".list thead th:not(:first-child) span")
-    before = labels.all_inner_texts()
-    write = "(spans, texts) => spans.forEach((s, i) => { s.textContent = texts[i]; })"
-    fits = "t => t.classList.contains('steep') && t.offsetWidth <= t.parentElement.clientWidth"
-    table = bench.page.locator(".list table")
-    assert not table.evaluate(fits)
-    try:
-        labels.evaluate_all(write, ["0.000169 s, gain 1"] * len(before))
-        bench.page.set_viewport_size({"width": 1024, "height": 900})
-        bench.until(lambda: table.evaluate(fits), "upright labels")
-    finally:
-        labels.evaluate_all(write, before)
-        bench.page.set_viewport_size({"width": 1440, "height": 900})
-    bench.until(lambda: not table.evaluate(fits), "labels in a row")
-
-
-def _box(bench: Workbench, which: str) -> tuple[float, ...]:
-    """Left, top, width and height of the first element of a class."""
-    box = bench.page.locator(which).first.bounding_box()
-    return tuple(box[k] for k in ("x", "y", "width", "height"))
-
-
-def _still(bench: Workbench, which: str) -> tuple[float, ...]:
-    """The same, once a layout no longer moves it."""
-
-    def same() -> tuple[float, ...]:
-        before = _box(bench, which)
-        bench.page.wait_for_timeout(500)
-        return before if _box(bench, which) == before else ()
-
-    return bench.until(same, f"{which} at rest")
-
-
-def test_an_enlarged_pane_covers_the_page_and_a_second_press_puts_it_back(bench):
-    assert bench.page.get_by_text("ranks the effects that may be missing").is_visible()
-    buttons = bench.page.locator(".enlarge")
-    for i in range(buttons.count()):
-        before = buttons.nth(i).bounding_box()["x"]  # a click scrolls the page
-        buttons.nth(i).click()
-        bench.until(lambda: bench.page.locator(".large").count(), "a large pane")
-        bench.until(lambda: _box(bench, ".large") == (0, 0, 1440, 900), "the whole page")
-        buttons.nth(i).click()
-        bench.until(lambda b=before, i=i: buttons.nth(i).bounding_box()["x"] == b, "its place")
-        assert bench.page.locator(".large").count() == 0
-
-
-SIDES = """() => {
-    const all = Bokeh.documents.flatMap((d) => [...d.all_models]);
-    const made = all.find((m) => m.name === "figure of measured");
-    const {x_range: x, y_range: y} = made;
-    return (x.end - x.start) / made.inner_width / ((y.start - y.end) / made.inner_height);
-}"""  # width of a pixel over its height, on the screen
-
-
-@pytest.mark.parametrize("size", [(1440, 780), (1024, 768), (3840, 2160), (1440, 900)])
-def test_pixels_are_square_in_an_enlarged_pane_and_after_it(bench, size):
-    bench.page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
-    button = bench.page.locator(".enlarge").nth(1)  # of the frames
-    for large in (1, 0):
-        button.click()
-        bench.until(lambda n=large: bench.page.locator(".large").count() == n, "the other size")
-        bench.until(lambda: abs(bench.page.evaluate(SIDES) - 1) < 0.05, "square pixels")
-        if large:  # all four parts of the pane within it
-            for part in (".measured", ".simulated", ".difference", ".side"):
-                x, y, width, height = _box(bench, part)
-                assert width > 300
-                assert height > 250
-                assert x >= 0
-                assert y >= 0
-                assert x + width <= size[0]
-                assert y + height <= size[1]
-
-
-@pytest.mark.parametrize("height", [780, 900])
-def test_frames_and_failures_are_seen_whole_on_the_screen(bench, height):
-    """And the lowest axis of the open figure, below its residuals."""
-    pane = "[...Bokeh.index.roots][0].child_views[2].el.getBoundingClientRect()"
-    _open(bench, "Distribution")
-    bench.page.set_viewport_size({"width": 1440, "height": height})
-    try:
-        bench.until(
-            lambda: height - 200 < bench.page.evaluate(f"() => scrollY + {pane}.bottom") <= height,
-            "the lower panes",
-        )
-        lowest = bench.page.locator(".curve-residuals")
-        bench.until(lambda: lowest.bounding_box()["height"] > 60, "the residuals")
-        box = lowest.bounding_box()
-        assert box["y"] + box["height"] <= height
-        assert _box(bench, ".curve")[3] > 90
-    finally:
-        bench.page.set_viewport_size({"width": 1440, "height": 900})
-
-
-def test_the_panes_take_the_height_that_a_long_verdict_leaves(bench):
-    strip = "[...Bokeh.index.roots][0].child_views[1].el"
-    pane = "[...Bokeh.index.roots][0].child_views[2].el.getBoundingClientRect()"
-    bench.page.evaluate(f"() => {{ {strip}.style.setProperty('min-height', '76px', 'important') }}")
-    try:
-        bench.until(
-            lambda: (
-                bench.page.evaluate(f"() => {strip}.offsetHeight") >= 76
-                and 700 < bench.page.evaluate(f"() => scrollY + {pane}.bottom") <= 900
-            ),
-            "the lower panes below a verdict of three lines",
-        )
-    finally:
-        bench.page.evaluate(f"() => {strip}.style.removeProperty('min-height')")
-
-
-def test_swiped_image_has_the_difference_beside_it_and_the_histogram_the_rest(bench):
-    width, side = _box(bench, ".measured")[2], _box(bench, ".side")[2]
-    bench.click("swipe")
-    bench.until(lambda: _box(bench, ".side")[2] > 1.7 * side, "a wide histogram")
-    for name in (".measured", ".difference"):
-        assert _box(bench, name)[2] == pytest.approx(width, abs=1)
-    assert not bench.page.locator(".simulated").first.is_visible()
-    bench.click("side by side")
-    bench.until(lambda: abs(_box(bench, ".side")[2] - side) < 1, "three images")
-    bench.until(lambda: abs(bench.page.evaluate(SIDES) - 1) < 0.05, "square pixels")
-
-
-@pytest.mark.parametrize("enlarged", [True, False])
-def test_swiped_image_has_the_height_where_there_is_some(bench, enlarged):
-    """In the enlarged pane, and on a narrow page, where images and histogram share it else."""
-    enlarge = bench.page.locator(".enlarge").nth(1)
-    try:
-        if enlarged:
-            enlarge.click()
-        else:
-            bench.page.set_viewport_size({"width": 1024, "height": 813})
-        bench.until(lambda: _box(bench, ".side")[1] > _box(bench, ".measured")[1] + 100, "two rows")
-        height = _still(bench, ".measured")[3]
-        bench.click("swipe")
-        bench.until(lambda: _box(bench, ".measured")[3] > 1.7 * height, "a high image")
-        assert _box(bench, ".measured")[2] > 1.9 * _box(bench, ".side")[2]
-        bench.until(lambda: abs(bench.page.evaluate(SIDES) - 1) < 0.05, "square pixels")
-    finally:
-        bench.click("side by side")
-        if enlarged:
-            enlarge.click()
-        bench.page.set_viewport_size({"width": 1440, "height": 900})
-
-
-def test_a_slider_ends_before_its_number(bench):
-    for row in bench.page.locator(".parameter").all():
-        slider = row.locator(".noUi-target").bounding_box()
-        number = row.locator("input[type=text]").bounding_box()
-        assert slider["x"] + slider["width"] <= number["x"]
 
 
 def test_every_class_of_bokeh_that_the_style_sheets_name_is_on_the_page(bench):
@@ -450,7 +179,7 @@ def test_every_class_of_bokeh_that_the_style_sheets_name_is_on_the_page(bench):
     named = set(re.findall(r"\.((?:bk|noUi)-[\w-]+)", inner(LIGHT) + SMALL))
     assert {"bk-btn", "bk-input", "noUi-handle"} < named
     assert [name for name in sorted(named) if not bench.page.locator(f".{name}").count()] == []
-    assert _box(bench, ".parameter .noUi-handle")[2:] == (14, 14)
+    assert bench.box(".parameter .noUi-handle")[2:] == (14, 14)
     saves = bench.page.locator("button").filter(has=bench.page.get_by_text("CI targets"))
     assert saves.bounding_box()["height"] <= 28  # as the choices beside it
 

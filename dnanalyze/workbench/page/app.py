@@ -78,6 +78,7 @@ def page(
 
     def begin() -> None:
         session.listeners.append(listener)
+        context.shown = session.evaluation
         show(context.listeners[:light])
         proceed()
         begun()
@@ -151,7 +152,6 @@ class OneLayout(JSComponent):
 def _all(context: Context, listeners: Sequence[Callable[[str], None]]) -> None:
     """Show a session as it is to panes that have not been sent, or have been drawn."""
     session = context.session
-    context.shown = session.evaluation
     for what in ("statistics", "history", "evaluation", "diagnosis", "detection", "message"):
         if what in ("history", "evaluation") and session.history is None:
             continue
