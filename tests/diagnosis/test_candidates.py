@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 import pytest
-from drawn_sensor import problem_with
+from drawn_sensor import problem_with, with_random_codes
 
 from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
@@ -160,19 +160,8 @@ def test_competitors_are_judged_by_the_sensors_of_their_make(alike, competing):
 
 @pytest.mark.parametrize(("noise", "seed"), [(2.0, 107), (4.0, 106)])
 def test_codes_of_random_widths_are_told_by_sensors_of_their_design(noise, seed):
-    """A refit of one simulated sensor finds a period in them, and half of the gain or less."""
-    model = NoiseModel(
-        (
-            built_in()["convolved_lognormal"](mu=1.0, delta=0.5),
-            built_in()["dark_shot_noise"](0.5),
-            built_in()["read_noise"](noise),
-            built_in()["missing_codes"](0.5),
-        ),
-        pedestal=100.0,
-        seed=seed,
-    )
-    points = [(OperatingPoint(celsius, 0.1), 4) for celsius in (25.0, 45.0, 65.0)]
-    problem = fit_problem(design(simulate(model, (128, 128), points, "made")))
+    """A refit of one simulated sensor finds a period in them, with less evidence."""
+    problem = fit_problem(design(with_random_codes(noise, seed)))
     null = FittedModel.of(problem, baseline_fitted(problem, baseline_start(problem)))
     (found,) = trials(null, of("missing_codes"))
     effect = found.state.model.get("missing_codes")

@@ -4,11 +4,12 @@ import math
 from dataclasses import replace
 
 import pytest
-from drawn_sensor import problem_with
+from drawn_sensor import problem_with, with_random_codes
 
 from dnanalyze.comparator.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.gains import trial_by_prediction
+from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.search_path import Path, SearchLimits
 from dnanalyze.diagnosis.selection import EVIDENCE_DECISIVE, EVIDENCE_NULL, EVIDENCE_ODDS_10, Trial
@@ -26,7 +27,7 @@ from dnanalyze.model.effects.amp_glow import AmpGlow
 from dnanalyze.model.effects.row_fpn import RowFpn
 from dnanalyze.model.effects.row_noise import RowNoise
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.registry import BASE, built_in
+from dnanalyze.model.registry import BASE, BASELINE, built_in
 from dnanalyze.model.simulate import simulate
 
 pytestmark = pytest.mark.long
@@ -351,3 +352,14 @@ def test_nothing_is_taken_with_which_the_model_error_would_rise(problem, null):
     law = replace(trial(null, 1000.0), effect=BASE)
     assert search._with_law(best, null, law, best.error).refused == (BASE,)
     assert search._with_law(worst, null, law, worst.error).refused == ()
+
+
+@pytest.mark.parametrize(("noise", "seed"), [(2.0, 107), (4.0, 106)])
+def test_codes_of_random_widths_are_all_that_a_search_adds_and_stay(noise, seed):
+    """By the scatter of such sensors any model is near; that without them has another."""
+    found = refine_on(with_random_codes(noise, seed), classifier=False)
+    codes = found.model.get("missing_codes")
+    assert found.verdict == "adequate"
+    assert set(found.model.names) == {BASE, *BASELINE, "missing_codes"}
+    assert codes.kind == "random"
+    assert codes.sigma == pytest.approx(0.5, rel=0.5)
