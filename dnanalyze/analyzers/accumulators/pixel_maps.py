@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Self
 
@@ -12,6 +13,8 @@ from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
 
 HOT_SIGMAS = 5.0
 BLINK_CUT = 64.0  # squared differences are cut at this many times their scale
+MOVE_CUT = 8.0  # sigmas at which differences are cut, so that single hits are no skewness
+LOOKS = 64  # rows and columns that tell how a level moves: to 1/64 of the noise, of which the cube
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,9 @@ class Maps:
         The first two frames, the last two; fewer for few frames.
     scalars : ndarray
         A row for each frame, see `pixel_loops.add_frames`; the last column is its shift.
+    cumulants : ndarray
+        Second and third within three successive frames, DN^2 and DN^3, (triples, 2); see
+        `cumulants_of`.
     hot_limit : float
         Level above which a pixel of a frame that has not moved counts as hot.
     """
@@ -51,6 +57,7 @@ class Maps:
     tail: list[np.ndarray]
     scalars: np.ndarray
     hot_limit: float
+    cumulants: np.ndarray
 
     @property
     def shifts(self) -> np.ndarray:
@@ -74,6 +81,7 @@ class PixelMaps:
         self.head: list[np.ndarray] = []
         self.tail: list[np.ndarray] = []
         self.scalars = np.empty((0, 8))
+        self.cumulants = np.empty((0, 2))
         self._waiting: list[np.ndarray] = []
         self._shifts: list[float] = []
         self._last: np.ndarray | None = None
@@ -87,6 +95,10 @@ class PixelMaps:
         self.frames += 1
         if len(self.head) < 2:
             self.head.append(view.frame)
+        if len(self.tail) == 2:
+            one, two = self.tail
+            here = cumulants_of(self.plan, one, two, view.frame)
+            self.cumulants = np.concatenate([self.cumulants, here])
         self.tail = [*self.tail[-1:], view.frame]
         self._waiting.append(view.frame)
         self._shifts.append(view.shift)
@@ -129,6 +141,9 @@ class PixelMaps:
             HOT_SIGMAS * self.plan.sigma, first,
         )  # fmt: skip
         self.scalars = np.concatenate([self.scalars, first[None], later.scalars[1:]])
+        near = [*self.tail, *later.head]
+        across = [cumulants_of(self.plan, *near[k : k + 3]) for k in range(len(near) - 2)]
+        self.cumulants = np.concatenate([self.cumulants, *across, later.cumulants])
         self.head = [*self.head, *later.head][:2]
         self.tail = [*self.tail, *later.tail][-2:]
         self.frames += later.frames
@@ -159,6 +174,7 @@ class PixelMaps:
             self.tail,
             self.scalars,
             self.hot_limit,
+            self.cumulants,
         )
 
     @property
@@ -203,3 +219,26 @@ class PixelMaps:
             total, square, lag, first_pairs, second_pairs, high, high_at, low, scalars,
         )  # fmt: skip
         self.scalars = np.concatenate([self.scalars, scalars])
+
+
+def cumulants_of(plan: Plan, one: np.ndarray, two: np.ndarray, three: np.ndarray) -> np.ndarray:
+    """Unbiased second and third cumulant of three successive frames, mean of the pixels; (1, 2).
+
+    DN^2 and DN^3. The level may move from frame to frame; what single pixels move by is cut at
+    `MOVE_CUT`.
+    """
+    from dnanalyze.analyzers.kernels import pixel_loops
+
+    cut = MOVE_CUT * math.sqrt(2.0) * plan.difference_sigma
+    moves = (_move(one, two, cut), _move(two, three, cut))
+    sums = np.zeros((1, 2))
+    pixel_loops.cumulants(one.ravel(), two.ravel(), three.ravel(), *moves, cut, sums[0])
+    return sums / plan.pixels
+
+
+def _move(before: np.ndarray, here: np.ndarray, cut: float) -> float:
+    """By how much the level moves from a frame to the next, DN, from an even sample."""
+    rows, columns = (slice(None, None, max(1, size // LOOKS)) for size in here.shape)
+    sample = here[rows, columns] - before[rows, columns]
+    middle = np.median(sample)
+    return float(middle + np.clip(sample - middle, -cut, cut).mean())

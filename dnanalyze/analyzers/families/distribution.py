@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from dnanalyze.analyzers.accumulators.accumulated import Accumulated
+from dnanalyze.analyzers.accumulators.pixel_maps import MOVE_CUT
 from dnanalyze.analyzers.estimators.quantiles import Counted, Ordered
 from dnanalyze.analyzers.estimators.steps import pattern_steps
 from dnanalyze.analyzers.estimators.uncertainty import QuantileErrors, block_sums, mean_error
@@ -57,6 +58,15 @@ INFOS = (
         "temporal_kurtosis", "distribution", "1", "excess kurtosis of the temporal dark noise",
         high="the temporal dark noise has heavier tails than the model's",
         low="the temporal dark noise has lighter tails than the model's",
+    ),
+    StatisticInfo(
+        "temporal_skewness", "distribution", "1", "skewness of the temporal dark noise",
+        high="the temporal dark noise is more skewed towards bright values than the model's",
+        low="the temporal dark noise is less skewed towards bright values than the model's",
+    ),
+    StatisticInfo(
+        "temporal_third_cumulant", "distribution", "DN^3",
+        "third cumulant of the temporal dark noise", compared=False,
     ),
     StatisticInfo(
         "pattern_steps", "distribution", "1", "equally spaced peaks of the DSNU", Scale.LOG,
@@ -161,14 +171,53 @@ def _temporal(acc: Accumulated, out: FamilyResult) -> None:
     x, w = law.centres.clip(-reach, reach), law.counts / law.total
     d = x - float(w @ x)
     m2, m4 = float(w @ d**2), float(w @ d**4)
+    skewed = ("temporal_skewness", "temporal_third_cumulant")
     if m2 <= 0:
-        out.missing["temporal_kurtosis"] = "the frames are identical"
+        reason = "the frames are identical"
+        out.missing.update(dict.fromkeys(("temporal_kurtosis", *skewed), reason))
         return
+    if acc.frames < 3:
+        out.missing.update(dict.fromkeys(skewed, "needs at least three frames"))
+    elif not acc.maps.cumulants[:, 0].any():
+        out.missing.update(dict.fromkeys(skewed, "the frames differ by their levels alone"))
+    else:
+        _skewness(acc, out)
     ratio = m4 / m2**2
     error = _kurtosis_error(acc, np.float32(reach), m2, ratio) if acc.plan.errors else 0.0
     moved = min(2.0 * acc.drift_variance / m2, 1.0)  # share of whole frames that move
     error = math.hypot(error, DRIFTING * moved**2)
     out.values["temporal_kurtosis"] = Value(ratio - 3.0, max(error, 1e-4))
+
+
+def _skewness(acc: Accumulated, out: FamilyResult) -> None:
+    """Third cumulant within three successive frames over the power 3/2 of the variance there."""
+    second, third = acc.maps.cumulants.mean(axis=0)
+    cubed = second**1.5
+    skewness = float(third / cubed)
+    error = _skewness_error(acc, second, skewness) if acc.plan.errors else 0.0
+    out.values["temporal_skewness"] = Value(skewness, max(error, 1e-4))
+    out.values["temporal_third_cumulant"] = Value(float(third), float(max(error, 1e-4) * cubed))
+
+
+def _skewness_error(acc: Accumulated, second: float, skewness: float) -> float:
+    """Standard error of the skewness, from the blocks of one triple of frames."""
+    (one, two), three = acc.maps.head, acc.maps.tail[-1]
+    first, later = np.diff(acc.frame_means[[0, 1, -1]]).astype(np.float32)
+    reach = np.float32(MOVE_CUT * math.sqrt(2.0) * acc.plan.difference_sigma)
+    third, share = np.float32(1 / (6 * second**1.5)), np.float32(skewness / (2 * second))
+
+    def influence(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+        u = np.clip(b - a - first, -reach, reach)
+        v = np.clip(c - b - later, -reach, reach)
+        k3 = (2 * u + v) * (v - u) * (u + 2 * v) * third
+        return np.asarray(k3 - share * (u * u + u * v + v * v))
+
+    # Variance of k3 of three normal values: 9 sigma^6; of two triples that share two of them the
+    # covariance is 7/3, one 2/3 (Hoeffding's decomposition: 2/3, 1 and 4 of the orders 1 to 3)
+    n = acc.frames - 2
+    repeats = n / (1 + ((n - 1) * 14 + max(n - 2, 0) * 4) / 27 / n)
+    sums = block_sums(acc.plan, influence, one, two, three)
+    return mean_error(acc.plan, sums) / math.sqrt(repeats)
 
 
 def _kurtosis_error(acc: Accumulated, reach: np.float32, m2: float, ratio: float) -> float:

@@ -176,6 +176,32 @@ def seam_sums(y, past, centre, centre_before, limit, hot, out):
 
 
 @njit(cache=True, nogil=True)
+def cumulants(one, two, three, first, second, cut, out):
+    """Sums over the pixels of the unbiased cumulants of three flat frames, float32: DN^2, DN^3.
+
+    With the differences u of the first two frames and v of the last two, each less what the level
+    moves (``first``, ``second``) and cut to +-``cut``: k2 = (u^2 + u v + v^2) / 3 and
+    k3 = 3/2 sum (y - mean)^3 = (2 u + v)(v - u)(u + 2 v) / 6.
+    """
+    first, second, cut = np.float32(first), np.float32(second), np.float32(cut)
+    twice, third, sixth = np.float32(2.0), np.float32(1.0 / 3.0), np.float32(1.0 / 6.0)
+    lanes = np.empty((2, LANES), np.float32)
+    k2, k3 = lanes[0], lanes[1]
+    for start in range(0, one.size, CHUNK):
+        stop = min(one.size, start + CHUNK)
+        lanes[:] = 0
+        for i in range(start, stop, LANES):
+            a, b, c = one[i : i + LANES], two[i : i + LANES], three[i : i + LANES]
+            for j in range(min(LANES, stop - i)):
+                u = min(max(b[j] - a[j] - first, -cut), cut)
+                v = min(max(c[j] - b[j] - second, -cut), cut)
+                k2[j] += (u * u + u * v + v * v) * third
+                k3[j] += (twice * u + v) * (v - u) * (u + twice * v) * sixth
+        out[0] += folded(k2)
+        out[1] += folded(k3)
+
+
+@njit(cache=True, nogil=True)
 def moments(total, square, lag, first, last, origin, count, mean, variance, lag_one):
     """Mean, unbiased variance and lag-one sum of each pixel from its sums, see `PixelMaps`."""
     k = np.float64(count)

@@ -50,6 +50,7 @@ class ElectronMultiplication(Effect):
         "devices, IEEE Trans. Electron Devices 50 (2003)",
     )
     fingerprint: ClassVar[tuple[str, ...]] = (
+        "temporal_skewness",
         "temporal_kurtosis",
         "temporal_q0.999",
         "temporal_q0.001",

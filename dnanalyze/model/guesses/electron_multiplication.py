@@ -8,12 +8,11 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.electron_multiplication import ElectronMultiplication
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import histogram, shows
+from dnanalyze.model.guesses.evidence import shows
 
 # Third cumulant over that of counting noise from which a register is worth a trial. Below its
-# inverse it is that of no counted charge: hot pixels hide it.
+# inverse it is that of no counted charge.
 CUMULANT_RATIO = 1.15
-OUTLIER_DEVIATIONS = 8.0  # standard deviations beyond which pixels are hot, hit or stuck
 HIGH_GAIN, MUCH = 2.0, 0.1  # excess noise factor; clock-induced charge that makes a kind, e-
 
 
@@ -29,7 +28,7 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
     if not shows(clues, effect.fingerprint, 0):
         return []
     mean, variance = hints.photon_transfer(clues)
-    third = np.array([third_cumulant(clues, j) for j in range(mean.size)]) / hints.gains(clues) ** 3
+    third = clues.measured("temporal_third_cumulant") / hints.gains(clues) ** 3
     good = np.isfinite(mean) & np.isfinite(third) & (variance > 0)
     if good.sum() < 2 or np.ptp(mean[good]) <= 0:
         return []
@@ -50,30 +49,3 @@ def guess(effect: type[ElectronMultiplication], clues: Clues) -> list[Effect]:
     if induced > MUCH:
         guesses.append(effect.within(excess=HIGH_GAIN, induced=induced))
     return guesses
-
-
-def third_cumulant(clues: Clues, setting: int) -> float:
-    """Of the temporal noise, DN^3, from frames and their mean; NaN where a curve is absent.
-
-    The mean of F frames has the DSNU's, and 1/F^2 of the noise's; variances tell F.
-    """
-    single = _moments(histogram(clues, "histogram", setting))
-    stack = _moments(histogram(clues, "pattern_hist", setting))
-    noise = float(clues.measured("temporal_noise")[setting]) ** 2
-    if single is None or stack is None or not noise > 0:
-        return float("nan")
-    part = min(max(1.0 - (single[0] - stack[0]) / noise, 0.0), 0.5)  # 1/F
-    return (single[1] - stack[1]) / (1.0 - part**2)
-
-
-def _moments(seen: tuple[np.ndarray, np.ndarray] | None) -> tuple[float, float] | None:
-    """Variance and third central moment of a histogram, without what is far out."""
-    if seen is None:
-        return None
-    values, counts = seen
-    summed = np.cumsum(counts) / np.sum(counts)
-    low, middle, high = values[np.searchsorted(summed, (0.159, 0.5, 0.841))]
-    near = np.abs(values - middle) <= OUTLIER_DEVIATIONS * max(high - low, 1.0) / 2.0
-    values, counts = values[near], counts[near] / np.sum(counts[near])
-    away = values - counts @ values
-    return float(counts @ away**2), float(counts @ away**3)

@@ -63,9 +63,10 @@ FIGURES: dict[str, tuple[Draw, ...]] = {
                 "frame_q0.99",
                 "frame_q0.999",
                 "temporal_kurtosis",
+                "temporal_skewness",
             ),
             "Quantiles of the mean frame and of single frames minus the median, and the excess "
-            "kurtosis of the temporal dark noise.",
+            "kurtosis and the skewness of the temporal dark noise.",
         ),
     ),
     "tails": (

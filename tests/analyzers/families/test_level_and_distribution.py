@@ -73,6 +73,40 @@ def test_quantiles_are_those_of_the_convolved_law():
             values[f"temporal_q{text}"], stats.norm.ppf(float(text), 0, math.sqrt(4 + 1 / 12)), 0.02
         )
     near(values["temporal_kurtosis"], 0.0)
+    near(values["temporal_skewness"], 0.0)
+
+
+@pytest.mark.parametrize(("count", "drift"), [(3, 0.0), (6, 0.0), (6, 30.0)])
+def test_the_skewness_of_counted_charge_is_poissons_however_the_level_moves(count, drift):
+    """The third cumulant of K n is K^3 n, whatever the pixels' means; read noise has none."""
+    rng = np.random.default_rng(14)
+    gain, noise, pulls, thirds = 3.0, 2.0, [], []
+    for _ in range(40):
+        rate = 5.0 * np.exp(0.5 * rng.normal(size=(96, 128)))
+        frames = [
+            gain * rng.poisson(rate) + noise * rng.normal(size=rate.shape) + 500 + drift * a
+            for a in rng.normal(size=count)
+        ]
+        values = distribution.finish(accumulate(np.float32(frames)).finish()).values
+        m2, m3 = gain**2 * rate.mean() + noise**2, gain**3 * rate.mean()
+        found = values["temporal_skewness"]
+        pulls.append((found.value - m3 / m2**1.5) / found.se)
+        thirds.append(values["temporal_third_cumulant"].value / m3 - 1.0)
+    assert abs(np.mean(pulls)) < 5 / math.sqrt(40)
+    assert 0.6 < np.std(pulls) < 1.5  # 40 tell their sd by 11 %
+    assert np.mean(thirds) == pytest.approx(0.0, abs=5 * np.std(thirds) / math.sqrt(40))
+
+
+@pytest.mark.parametrize(
+    ("frames", "reason"),
+    [(2, "needs at least three frames"), (4, "the frames differ by their levels alone")],
+)
+def test_no_skewness_without_three_frames_that_differ(frames, reason):
+    still = dark_frames(12, 1, SHAPE)[0].astype(np.float32)
+    noise = np.random.default_rng(2).normal(size=SHAPE).astype(np.float32)
+    seen = [still, still + noise] if frames == 2 else [still + np.float32(k * k) for k in range(4)]
+    out = distribution.finish(accumulate(seen).finish())
+    assert out.missing["temporal_skewness"] == reason
 
 
 def test_codes_and_continuous_data_of_one_law_agree_but_for_a_twelfth():

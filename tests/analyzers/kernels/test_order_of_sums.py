@@ -51,6 +51,20 @@ def test_sums_of_a_frame_and_the_one_before(image):
         assert out[place] == one_by_one(np.array([summed(product[p]) for p in parts], float))
 
 
+def test_sums_of_three_frames(image):
+    one, two, three = (image[k : k + 30].reshape(-1) for k in (0, 3, 7))
+    cut = np.float32(3.0)
+    u = np.clip(two - one - np.float32(0.5), -cut, cut)
+    v = np.clip(three - two - np.float32(-0.25), -cut, cut)
+    twice, third, sixth = np.float32(2), np.float32(1 / 3), np.float32(1 / 6)
+    out = np.zeros(2)
+    pixel_loops.cumulants(one, two, three, 0.5, -0.25, 3.0, out)
+    parts = [slice(k, k + pixel_loops.CHUNK) for k in range(0, u.size, pixel_loops.CHUNK)]
+    terms = (u * u + u * v + v * v) * third, (twice * u + v) * (v - u) * (u + twice * v) * sixth
+    for found, term in zip(out, terms, strict=True):
+        assert found == one_by_one(np.array([summed(term[p]) for p in parts], float))
+
+
 def test_sums_below_thresholds(image):
     thresholds = np.array([2.0, 4.0], np.float32)
     rows, columns = np.array([0, 20, 37]), np.array([0, 100, 205])

@@ -7,6 +7,7 @@ import pytest
 from dark_frames import dark_frames
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import stats
 
 from dnanalyze.analyzers.analyze import finish
 from dnanalyze.analyzers.streaming.accumulation import accumulate, make_plan, read_ahead
@@ -48,6 +49,28 @@ def test_pixel_maps_are_numpys(codes, count):
     np.testing.assert_allclose(acc.frame_means, w.mean(axis=(1, 2)), atol=1e-5)
 
 
+@pytest.mark.parametrize("codes", [True, False])
+def test_cumulants_are_the_k_statistics_of_three_frames_less_their_levels(codes):
+    frames = dark_frames(3, 6, SHAPE, hot=0.0, drift=20.0, codes=codes)
+    y = np.array(frames, np.float64)
+    y -= y.mean(axis=(1, 2), keepdims=True)  # nothing is cut
+    found = accumulate(frames).finish().maps.cumulants
+    for row, k in zip(found, range(4), strict=True):
+        for value, order in zip(row, (2, 3), strict=True):
+            known = stats.kstat(y[k : k + 3], order, axis=0)
+            assert value == pytest.approx(known.mean(), rel=1e-3, abs=1e-3)
+
+
+def test_a_pixel_that_is_hit_is_cut():
+    frames = dark_frames(3, 3, SHAPE, hot=0.0, codes=False)
+    hit = [frames[0], frames[1].copy(), frames[2]]
+    hit[1][5, 5] += 1e6
+    plan = make_plan(frames[0], frames[1])
+    still, struck = (accumulate(f, plan).finish().maps.cumulants[0, 1] for f in (frames, hit))
+    reach = 8 * np.sqrt(2) * plan.difference_sigma
+    assert 0 < struck - still < 0.4 * reach**3 / (SHAPE[0] * SHAPE[1])
+
+
 def test_histograms_of_codes_count_every_value_and_difference():
     frames = dark_frames(4, 5, SHAPE)
     acc = accumulate(frames).finish()
@@ -87,7 +110,7 @@ def sums_of(acc):
     spectra, neighbours = acc.parts["spectra"], acc.parts["neighbours"]
     out |= {"power": spectra.power_sum, "winsorised": spectra.sum}
     out |= {name: getattr(neighbours, name) for name in ("peaks", "ranks", "lags", "tiles")}
-    return out | {"scalars": acc.parts["maps"].scalars}
+    return out | {"scalars": acc.parts["maps"].scalars, "cumulants": acc.parts["maps"].cumulants}
 
 
 @pytest.mark.parametrize(("codes", "drift"), [(True, 0.3), (False, 0.3), (True, 40.0)])
@@ -107,7 +130,8 @@ def test_any_split_merges_to_one_pass(codes, drift, cuts):
         np.testing.assert_allclose(
             mine[name], array, rtol=1e-12, atol=1e-12 * np.abs(array).max(), err_msg=name
         )
-    np.testing.assert_array_equal(mine["scalars"], his["scalars"])
+    for name in ("scalars", "cumulants"):
+        np.testing.assert_array_equal(mine[name], his[name])
     split, once = merged.finish(), whole.finish()
     assert split.frames == once.frames
     np.testing.assert_array_equal(split.values.counts, once.values.counts)
