@@ -12,7 +12,7 @@ from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.cosmic_rays import STEPPED, CosmicRays
 from dnanalyze.model.guesses import hints
-from dnanalyze.model.guesses.evidence import curve, excess, shows
+from dnanalyze.model.guesses.evidence import curve, excess, histogram, shows
 from dnanalyze.significance import CERTAIN, SIGN
 
 LIMIT = 8.0  # noises that a transient stands out by; a difference of two frames by `CERTAIN`
@@ -20,30 +20,43 @@ REACH, MUCH = 60.0, 0.1  # noises up to which differences are counted, nearly; s
 CROSSED = 4.0 / math.pi  # pixels that a pixel of track crosses, in the mean over its direction
 KINDS = "track", "path"  # whose charge is exponential
 QUIET = 1.3  # times the least noise, up to which clumps are counted
+# Share of the hits beyond the model below which its noise is what took them: then it has to give
+# them back, and all that are seen are the effect's.
+TAKEN = 0.5
 FEWEST, PLAIN = 4, 30.0  # differences that tell a charge; noises where they do not
 
 
 def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
     """Rate and length from the clumps of pixels that stand out once: how many, and how large.
 
-    The charge comes from how far frames differ, where those differ that do by far.
+    The charge comes from how far frames differ, where those differ that do by far; where that is
+    beyond what is counted, also from the brightest values.
     """
     if not shows(clues, ("transient_high", "transient_adjacent")):
         return []
-    hits = np.maximum(excess(clues, "transient_high"), 0)
+    beyond, seen = excess(clues, "transient_high"), clues.measured("transient_high")
+    found = _from_hits(effect, clues, np.maximum(beyond, 0))
+    if np.nansum(beyond) < TAKEN * np.nansum(seen):
+        found += _from_hits(effect, clues, seen)
+    return found
+
+
+def _from_hits(effect: type[CosmicRays], clues: Clues, hits: np.ndarray) -> list[Effect]:
+    """`guess` with so many pixels that stand out once, one number a setting."""
     noise = np.asarray(clues.measured("temporal_noise_core"), float)
     good = (hits > 0) & (noise > 0)
     if not good.any():
         return []
     place = int(np.nanargmin(np.where(good, noise, np.nan)))  # hot pixels flicker less there
     a_pixel, reached = _charge(clues, place, noise[place])
+    brightest = _brightest(clues, place, float(hits[place])) if reached else 0.0
     quiet = (noise > 0) & (noise <= QUIET * noise[place])  # noise breaks tracks into pieces
     seen = _clumps(clues, hits, quiet)
     length, rate, pixels = _by_share(clues, hits, good) if seen is None else seen.tracks(CROSSED)
     readout_s = 0.0 if seen is None else seen.readout_s
     unseen = np.exp(-min(LIMIT * float(noise[place]) / a_pixel, 3.0))
     energy = a_pixel / hints.gains(clues)[place] * pixels
-    more = (1, 10) if reached else (1,)
+    more = (1.0, *([brightest / a_pixel] if brightest > a_pixel else []))
     tracks = {"rate": rate / unseen, "length": length, "readout_s": readout_s}
     guesses: list[Effect] = [
         effect.within(**tracks, energy=energy * f, charge=kind) for kind in KINDS for f in more
@@ -56,8 +69,10 @@ def guess(effect: type[CosmicRays], clues: Clues) -> list[Effect]:
         / hints.gains(clues)[place]
         * pixels
     )
-    tracks = {"rate": rate, "energy": energy, "length": length, "readout_s": readout_s}
-    return [*guesses, *(effect.within(**tracks, charge=kind) for kind in STEPPED)]
+    tracks = {"rate": rate, "length": length, "readout_s": readout_s}
+    return guesses + [
+        effect.within(**tracks, energy=energy * f, charge=kind) for kind in STEPPED for f in more
+    ]
 
 
 @dataclass(frozen=True)
@@ -155,3 +170,19 @@ def _charge(clues: Clues, setting: int, noise: float) -> tuple[float, bool]:
         return PLAIN * noise, True
     charge = math.sqrt(2.0) * noise * float(np.sum(n * np.maximum(far - CERTAIN, 0.0)) / beyond)
     return charge, bool(ends > MUCH * beyond)
+
+
+def _brightest(clues: Clues, setting: int, hit: float) -> float:
+    """Mean charge of as many of the brightest values as are hit, DN; 0 where none are at hand.
+
+    Those at the highest code are censored there: of exponential charges the mean is the sum over
+    the number of the others.
+    """
+    seen = histogram(clues, "histogram", setting)
+    if seen is None or hit < 1.0:
+        return 0.0
+    codes, counts = seen
+    above = np.cumsum(counts[::-1])[::-1] - counts  # values that are brighter
+    taken = np.clip(hit - above, 0.0, counts)
+    middle = codes[np.searchsorted(np.cumsum(counts), counts.sum() / 2.0)]
+    return float(taken @ (codes - middle)) / max(hit - float(taken[-1]), 1.0)

@@ -295,26 +295,48 @@ def test_cosmic_rays_are_guessed_from_the_transients():
 
 @pytest.mark.parametrize(("charge", "ends"), [(40.0, False), (400.0, True)])
 def test_the_charge_of_a_hit_is_guessed_from_how_far_frames_differ(charge, ends):
-    """Noise of 3 DN, 2000 hits of an exponential charge; counts end at 64 times the noise."""
+    """Noise of 3 DN, hits of an exponential charge; counts end at 64 times the noise, codes at 300.
+
+    2000 hits are among the differences, and 300 among the codes.
+    """
     rng = np.random.default_rng(6)
     hits = rng.exponential(charge, 2000) * rng.choice([-1.0, 1.0], 2000) / np.sqrt(2.0)
     differences = rng.normal(0.0, 3.0, 200_000)
     differences[:2000] += hits
     n, edges = np.histogram(np.clip(differences, -191.9, 191.9), 8192, (-192.0, 192.0))
     at = (edges[1:] + edges[:-1]) / 2
-    guesses = _of_differences([3.0], [at], [n])
-    assert len(guesses) == (2 if ends else 1)  # what is not counted may lie much farther out
+    values = 100.0 + rng.normal(0.0, 3.0, 200_000)
+    values[:300] += rng.exponential(charge, 300)
+    codes, counts = np.unique(np.rint(np.minimum(values, 300.0)), return_counts=True)
+    guesses = _of_differences([3.0], [at], [n], codes=[codes], counts=[counts])
+    assert len(guesses) == (2 if ends else 1)
     a_pixel = guesses[0].energy / 2.0
-    if ends:
+    if ends:  # 1 - exp(-200 / 400) of the 300 are below the highest code
         assert charge / 4 < a_pixel < charge
+        assert guesses[1].energy / 2.0 == pytest.approx(charge, rel=5 / np.sqrt(300 * 0.39))
     else:  # a thousand lie beyond the cut, with the noise on them
         assert a_pixel == pytest.approx(charge, rel=5 / np.sqrt(1000))
         hits = guesses[0].rate * 0.262144 * 8 * 2.0
         assert hits == pytest.approx(300.0 * np.exp(8 * 3.0 / a_pixel))  # with those not seen
 
 
-def _of_differences(noise, at, counts, points=(HERE,)):
-    """Guesses of tracks from 300 pixels that stand out once, and histograms of differences."""
+def test_hits_that_the_noise_of_the_model_has_taken_are_guessed_too():
+    few, all_of_them = _rates(model=290.0), _rates(model=0.0)
+    assert all_of_them == pytest.approx([30 * few[0]])
+    assert few == pytest.approx([all_of_them[0] / 30, all_of_them[0]])
+    assert len(_rates(model=140.0)) == 1  # more than half is beyond the model
+
+
+def _rates(model):
+    at, n = np.array([-30.0, 0.0, 30.0]), np.array([50, 10_000, 50])
+    return [g.rate for g in _of_differences([2.0], [at], [n], model=model)]
+
+
+def _of_differences(noise, at, n, points=(HERE,), codes=None, counts=None, model=0.0):
+    """Guesses of tracks from 300 pixels that stand out once, and histograms."""
+    curves = {"difference_hist_x": at, "difference_hist_n": n}
+    if codes is not None:
+        curves |= {"histogram_codes": codes, "histogram_counts": counts}
     clues = MadeUpClues(
         points,
         seen={
@@ -322,9 +344,9 @@ def _of_differences(noise, at, counts, points=(HERE,)):
             "transient_adjacent": 0.0,
             "temporal_noise_core": np.array(noise),
         },
-        model={"transient_high": 0.0, "transient_adjacent": 0.0},
+        model={"transient_high": model, "transient_adjacent": 0.0},
         stands_out=("transient_high",),
-        curves={"difference_hist_x": at, "difference_hist_n": counts},
+        curves=curves,
     )
     return [g for g in CosmicRays.guess(clues) if g.charge == "track"]
 
@@ -342,7 +364,7 @@ def test_the_charge_is_read_where_the_noise_is_least_and_is_that_of_the_referenc
 @pytest.mark.parametrize("count", [0, 3])
 def test_few_differences_tell_no_charge(count):
     guesses = _of_differences([2.0], [np.array([0.0, 30.0])], [np.array([10_000, count])])
-    assert [g.energy for g in guesses] == pytest.approx([2 * 30 * 2.0, 2 * 300 * 2.0])
+    assert [g.energy for g in guesses] == pytest.approx([2 * 30 * 2.0])
 
 
 def test_persistence_adds_the_past_with_its_weights():
