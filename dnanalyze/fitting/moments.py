@@ -18,7 +18,9 @@ from dnanalyze.thermal import KELVIN, activation, over_constant
 
 LINKED = 0.01  # least serial correlation
 DARK_EV = np.linspace(0.3, 1.28, 50)  # eV; what grows more slowly looks like a constant
-STILL = 0.1  # share of the temporal variance that is of pixels at least
+# Share of the temporal variance that may be of whole frames for the quartiles of differences to
+# tell the rest: beyond it, few frames make lumps of differences that are no Gaussian.
+MOVED = 0.5
 REST = 0.02  # share of a moment that is the sensor's at least
 NEAR_C, SAME_C = 5.0, 1.0  # C: no row of its own is needed; taken for one temperature
 
@@ -70,7 +72,7 @@ def moments(readings: Readings, black_level: float | None, black: Law | None = N
     # what moves whole frames is no noise of pixels, and tells nothing of the charge
     levels = [readings.curve("frame_means", i) for i in range(len(readings.points))]
     moved = np.array([np.var(np.diff(x)) / 2.0 if x.size > 1 else 0.0 for x in levels])
-    seen = np.maximum(whole - moved, STILL * whole)
+    seen = np.where(moved <= MOVED * whole, whole - moved, readings.value("s2_temporal"))
     usual = float(np.nanmedian(seen)) if np.isfinite(seen).any() else np.inf
     temporal = np.where(np.isfinite(seen), seen, np.minimum(usual, single / 2))
     stack = readings.value("pattern_noise") ** 2 - temporal / frames

@@ -36,12 +36,14 @@ def sensor_frames(
     black: float = 100.0,
     top: int = 4095,
     hits: float = 0.0,
+    jitter: float = 0.0,
     cfa: tuple[tuple[str, ...], ...] | None = None,
     system_gain: float | None = None,
 ) -> CaptureSet:
     """Codes at points (temperature C, exposure s, frames); 25 C is the reference.
 
-    ``hits`` is the share of pixels that a hit of 400 e- strikes in a second of each frame.
+    ``hits`` is the share of pixels that a hit of 400 e- strikes in a second of each frame;
+    ``jitter`` the relative standard deviation of the exposure of a frame.
     """
     rng = np.random.default_rng([seed, 1288])
     rate = current_e_s * np.exp(spread * rng.normal(size=shape) - spread**2 / 2)
@@ -59,7 +61,8 @@ def sensor_frames(
         point = OperatingPoint(celsius, exposure)
         made = []
         for _ in range(frames):
-            charge = rng.poisson(rate * warm * t) + read_e * rng.normal(size=shape)
+            longer = max(1.0 + jitter * rng.normal(), 0.0) if jitter else 1.0
+            charge = rng.poisson(rate * warm * t * longer) + read_e * rng.normal(size=shape)
             charge = charge + 400.0 * (rng.random(shape) < hits * t)
             y = offset + gain * charge + row_noise_dn * rng.normal(size=(shape[0], 1))
             made.append(np.clip(np.rint(y), 0, top).astype(np.uint16))

@@ -104,6 +104,15 @@ def test_hits_that_grow_with_exposure_leave_photon_transfer_alone():
     assert "not by shot noise alone" in variance.reason
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_frames_that_move_by_many_times_their_noise_give_no_false_gain(seed):
+    """Dark charge that moves by 30 % from frame to frame: up to eight times the shot noise."""
+    points = [(t, 1.0, 6) for t in (25.0, 35.0, 45.0, 55.0, 65.0)]
+    found = of(sensor_frames(seed, points, current_e_s=20.0, gain=1.0, jitter=0.3, top=65535))
+    gain = found.groups[0].quantities["photon_transfer_gain_dn_e"]
+    assert gain.value is None or abs(gain.value - 1.0) < 4 * gain.se
+
+
 def test_noise_that_grows_as_the_signal_is_no_photon_transfer():
     """A dark signal that wavers by 2 % from frame to frame in every pixel."""
     rng = np.random.default_rng(3)

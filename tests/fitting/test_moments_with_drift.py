@@ -30,6 +30,7 @@ def test_what_moves_whole_frames_is_no_noise_of_pixels():
     expected = 9.0 + DARK_E * np.exp(0.2**2 / 2) + 1 / 12
     assert temporal(0.0) == pytest.approx(expected, rel=0.03)
     assert temporal(3.0) == pytest.approx(expected, rel=0.25)
+    assert temporal(20.0) == pytest.approx(expected, rel=0.05)  # each frame less its own mean
 
 
 def test_of_a_slope_lost_in_drift_a_fit_finds_some():

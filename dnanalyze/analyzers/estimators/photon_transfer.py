@@ -2,7 +2,8 @@
 
 Hot pixels of a dark frame hold more charge than the others, and so more shot noise (Janesick,
 Photon Transfer, SPIE 2007). Telegraph noise and particle hits are in some of the pixels of a level:
-a midmean of their variances leaves these out.
+a midmean of their variances leaves these out. What moves whole frames is no noise of the pixels:
+beside it K variances are of the noncentral chi-square law.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import ncx2
 
 LEAST_PIXELS = 30  # of a level: its variance is then good to 35 % with two frames, 17 % with four
 FIRST, RATIO = 4.0, math.sqrt(2.0)  # first limit above the median, robust sigmas; next ones
@@ -19,7 +20,12 @@ QUARTILES = np.array([0.25, 0.75])
 
 
 def transfer_points(
-    level: np.ndarray, variance: np.ndarray, centre: float, sigma: float, frames: int
+    level: np.ndarray,
+    variance: np.ndarray,
+    centre: float,
+    sigma: float,
+    frames: int,
+    moved: float = 0.0,
 ) -> np.ndarray:
     """Level and temporal variance of the pixels of like level.
 
@@ -31,38 +37,55 @@ def transfer_points(
         Median and robust sigma of ``level``, DN.
     frames : int
         At least 2.
+    moved : float
+        Variance of the levels of the frames, DN^2, which is in that of every pixel.
 
     Returns
     -------
     ndarray
         (levels, 4): mean level, DN; temporal variance and its standard error, DN^2; pixels. The
-        first is that of the middle half of the pixels.
+        first is that of the middle half of the pixels. Where frames move by more than the noise it
+        is the only one: what moves the charge moves that of bright pixels by more.
     """
     above = level.ravel() - np.float32(centre)
     flat = variance.ravel()
-    rows = [_row(above, flat, np.abs(above) <= 0.6745 * sigma, frames)]
-    bright = np.flatnonzero(above > FIRST * sigma)
+    rows = [_row(above, flat, np.abs(above) <= 0.6745 * sigma, frames, moved)]
+    bright = np.flatnonzero(above > FIRST * sigma) if moved <= rows[0][1] else np.empty(0, int)
     high, noise = above[bright], flat[bright]
     which = np.floor(np.log(high / (FIRST * sigma)) / math.log(RATIO)).astype(int)
     for k in np.unique(which):
         here = which == k
         if np.count_nonzero(here) >= LEAST_PIXELS:
-            rows.append(_row(high, noise, here, frames))
+            rows.append(_row(high, noise, here, frames, moved))
     found = np.array(rows)
     found[:, 0] += centre
     return found
 
 
-def _row(level: np.ndarray, variance: np.ndarray, here: np.ndarray, frames: int) -> list[float]:
-    """Mean level; variance by the midmean of the pixels' variances, its error; pixels."""
+def _row(
+    level: np.ndarray, variance: np.ndarray, here: np.ndarray, frames: int, moved: float
+) -> list[float]:
+    """Mean level; variance by the midmean of the pixels' variances, its error; pixels.
+
+    By their mean where frames move by more than the noise: the law of the variances is then that
+    of the moves, which differ from pixel to pixel where they are moves of the charge.
+    """
     own = variance[here].astype(float)
+    at, still = float(level[here].mean()), float(own.mean()) - moved
+    if moved > still:
+        error = max(float(own.std()) / math.sqrt(own.size), UNLIKE * moved, 1e-9)
+        return [at, max(still, 0.0), error, float(own.size)]
     low, high = np.quantile(own, QUARTILES)
     cut = np.clip(own, low, high)
     # mean between the quartiles: ends in proportion, for variances of codes are tied
     middle = 2.0 * float(cut.mean()) - 0.5 * float(low + high)
-    freedom = frames - 1
-    q = chi2.ppf(QUARTILES, freedom)
-    usual = float(np.diff(chi2.cdf(q, freedom + 2))[0]) / 0.5
-    error = 2.0 * float(cut.std()) / math.sqrt(own.size)
-    error = max(error, UNLIKE * middle, 1e-9) / usual
-    return [float(level[here].mean()), middle / usual, error, float(own.size)]
+    share = _usual(frames - 1, (frames - 1) * moved / still) if still > 0 else 1.0
+    error = max(2.0 * float(cut.std()) / math.sqrt(own.size), UNLIKE * middle, 1e-9) / share
+    return [at, max(middle / share - moved, 0.0), error, float(own.size)]
+
+
+def _usual(freedom: int, away: float) -> float:
+    """Midmean over mean of a noncentral chi-square deviate; ``away``: its noncentrality."""
+    q = ncx2.ppf(QUARTILES, freedom, away)
+    within = [float(np.diff(ncx2.cdf(q, freedom + k, away))[0]) for k in (2, 4)]
+    return (freedom * within[0] + away * within[1]) / 0.5 / (freedom + away)

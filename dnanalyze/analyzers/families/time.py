@@ -188,8 +188,9 @@ def _variances(acc: Accumulated, out: FamilyResult) -> None:
     _noise_at(acc, variance, out)
     if acc.plan.errors:
         out.curves["photon_transfer"] = transfer_points(
-            acc.pattern, variance, acc.pattern_centre, acc.pattern_sigma, acc.frames
-        )
+            acc.pattern, variance, acc.pattern_centre, acc.pattern_sigma, acc.frames,
+            acc.temporal_mean - acc.still_variance,
+        )  # fmt: skip
 
 
 def _noise_at(acc: Accumulated, variance: np.ndarray, out: FamilyResult) -> None:

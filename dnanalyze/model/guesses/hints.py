@@ -44,9 +44,12 @@ def gains(clues: Clues) -> np.ndarray:
 
 
 def photon_transfer(clues: Clues) -> tuple[np.ndarray, np.ndarray]:
-    """Mean level and temporal variance at the reference gain, DN and DN^2, one a setting."""
+    """Mean level and temporal variance at the reference gain, DN and DN^2, one a setting.
+
+    Less what moves whole frames.
+    """
     mean = clues.measured("mean") / gains(clues)
-    return mean, (clues.measured("temporal_noise") / gains(clues)) ** 2
+    return mean, clues.measured("s2_temporal") / gains(clues) ** 2
 
 
 def thermal_growth(clues: Clues, ea_ev: np.ndarray) -> np.ndarray:

@@ -17,12 +17,12 @@ def stack(frames: int, seed: int = 1) -> np.ndarray:
     return 100.0 + GAIN * drawn + np.sqrt(READ) * rng.standard_normal(drawn.shape)
 
 
-def points(frames: np.ndarray) -> np.ndarray:
+def points(frames: np.ndarray, moved: float = 0.0) -> np.ndarray:
     level = frames.mean(axis=0).astype(np.float32)
     variance = frames.var(axis=0, ddof=1).astype(np.float32)
     quartiles = np.quantile(level, (0.25, 0.5, 0.75))
     sigma = float(np.ptp(quartiles)) / 1.349
-    return transfer_points(level, variance, float(quartiles[1]), sigma, len(frames))
+    return transfer_points(level, variance, float(quartiles[1]), sigma, len(frames), moved)
 
 
 @pytest.mark.parametrize("frames", [2, 4, 8, 20])
@@ -52,3 +52,25 @@ def test_few_pixels_of_a_level_are_none():
     frames[:, 1, : LEAST_PIXELS - 1] += 50000.0
     found = points(frames)
     assert found[:, 0].max() == pytest.approx(5100.0, rel=0.01)
+
+
+@pytest.mark.parametrize("move", [0.5, 2.0, 30.0])
+@pytest.mark.parametrize("frames", [3, 6])
+def test_what_moves_whole_frames_is_no_noise(frames, move):
+    """Offsets of the frames of 0.25 to 15 times the noise."""
+    seen = stack(frames)
+    offsets = move * np.random.default_rng(4).standard_normal(frames)
+    moved = float(np.var(offsets, ddof=1))
+    found = points(seen + offsets[:, None, None], moved)
+    expected = READ + GAIN * (found[:, 0] - offsets.mean() - 100.0)
+    assert abs(found[0, 1] - expected[0]) < 4 * found[0, 2] + 0.03 * expected[0]
+    assert (len(found) > 1) == (moved <= found[0, 1])
+
+
+def test_moves_of_the_charge_are_known_to_a_hundredth():
+    rng = np.random.default_rng(5)
+    charge = 400.0 * np.exp(0.1 * rng.standard_normal((128, 128)))
+    factors = 1.0 + 0.2 * rng.standard_normal(6)
+    seen = 100.0 + GAIN * rng.poisson(factors[:, None, None] * charge)
+    level, variance, error, _ = points(seen, float(np.var(seen.mean(axis=(1, 2)), ddof=1)))[0]
+    assert abs(variance - GAIN * (level - 100.0)) < 3 * error

@@ -93,14 +93,14 @@ def test_windows_hold_the_pixels_of_the_whole_frame():
 def made_up(ratio):
     """Two settings, 4 frames each, whose third cumulant is ``ratio`` times that of counting."""
     rng = np.random.default_rng(2)
-    points, seen = [], {"mean": [], "temporal_noise": [], "temporal_third_cumulant": []}
+    points, seen = [], {"mean": [], "s2_temporal": [], "temporal_third_cumulant": []}
     for electrons in (20.0, 200.0):
         # a shifted gamma of this mean, variance and third cumulant
         shape = 4 * electrons**3 / (ratio * electrons) ** 2
         noise = rng.gamma(shape, np.sqrt(electrons / shape), (4, 200_000))
         y = 1000 + np.rint(noise - np.sqrt(electrons * shape) + electrons)
         seen["mean"].append(y.mean())
-        seen["temporal_noise"].append(np.sqrt(y.var(axis=0, ddof=1).mean()))
+        seen["s2_temporal"].append(y.var(axis=0, ddof=1).mean())
         seen["temporal_third_cumulant"].append(stats.kstat(y, 3, axis=0).mean())
         points.append(HERE)
     return MadeUpClues(tuple(points), seen=seen, stands_out=("temporal_skewness",))
