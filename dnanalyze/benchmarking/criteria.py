@@ -41,7 +41,8 @@ class Criterion:
 CRITERIA = (
     Criterion("dark_current", "dark current", "DN/s", ("dark_rate_dn_s",),
               floor=False, electrons=True, per_area=True),
-    Criterion("temporal_noise", "temporal dark noise", "DN", ("temporal_noise",), electrons=True),
+    # of EMVA 1288, without what moves whole frames
+    Criterion("temporal_noise", "temporal dark noise", "DN", ("s2_temporal",), electrons=True),
     Criterion("dsnu", "EMVA 1288 DSNU", "DN", ("dsnu_1288",), electrons=True),
     Criterion("dsnu_column", "DSNU of columns", "DN", ("dsnu_1288_col",), electrons=True),
     Criterion("dsnu_row", "DSNU of rows", "DN", ("dsnu_1288_row",), electrons=True),

@@ -146,7 +146,10 @@ def _longest(statistics: Statistics) -> list[SettingStatistics]:
 
 
 def _value(settings: list[SettingStatistics], names: tuple[str, ...]) -> BenchmarkValue:
-    """Mean over colour planes of the first statistic that they tell; error in plain units."""
+    """Mean over colour planes of the first statistic that they tell; error in plain units.
+
+    Of a variance, DN^2, its root.
+    """
     for name in names:
         values = [s.values[name] for s in settings if name in s.values]
         if not values:
@@ -154,7 +157,11 @@ def _value(settings: list[SettingStatistics], names: tuple[str, ...]) -> Benchma
         scale = infos()[name].scale
         plain = [scale.plain(scale.coordinate(v.value) + v.se) - v.value for v in values]
         mean = float(np.mean([v.value for v in values]))
-        return BenchmarkValue(mean, float(np.sqrt(np.sum(np.square(plain)))) / len(values), name)
+        se = float(np.sqrt(np.sum(np.square(plain)))) / len(values)
+        if infos()[name].unit == "DN^2":
+            root = math.sqrt(max(mean, 0.0))
+            return BenchmarkValue(root, se / (2.0 * root) if root else 0.0, name)
+        return BenchmarkValue(mean, se, name)
     return ABSENT
 
 

@@ -232,6 +232,19 @@ def captures_of(name, model, settings):
     return simulate(model, (96, 96), settings, name, Sensor((96, 96), black_level=64.0))
 
 
+def test_the_temporal_dark_noise_is_that_of_emva_without_what_moves_whole_frames():
+    from dnanalyze.analyzers.analyze import analyze
+
+    model, _ = virtual_model(1.0, 3)
+    moving = model.with_effect(built_in()["offset_drift"](step=10.0))
+    seen = analyze(captures_of("moving", moving, [(P(45.0, 0.1, 1.0), 6)]))
+    (noise,) = records.readings_of(seen)["temporal_noise"]
+    (point,) = seen.emva.groups[0].points
+    stated = point.quantities["temporal_dark_noise_dn"]
+    assert noise.value == pytest.approx(stated.value, rel=1e-6)
+    assert noise.value < 0.5 * seen.settings[0]["temporal_noise"].value
+
+
 def test_the_gain_is_read_off_the_dark_series():
     from dnanalyze.analyzers.analyze import analyze
 
