@@ -41,7 +41,7 @@ def test_shot_noise_is_guessed_from_the_photon_transfer_line():
     mean = np.array([100.0, 120.0, 200.0])
     clues = MadeUpClues(
         points,
-        seen={"mean": mean, "temporal_noise": np.sqrt(4 + 0.4 * (mean - 95))},
+        seen={"mean": mean, "s2_temporal": 4 + 0.4 * (mean - 95)},
         stands_out=("temporal_noise",),
     )
     (guess,) = DarkShotNoise.guess(clues)
