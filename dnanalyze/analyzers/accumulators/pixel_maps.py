@@ -241,4 +241,4 @@ def _move(before: np.ndarray, here: np.ndarray, cut: float) -> float:
     rows, columns = (slice(None, None, max(1, size // LOOKS)) for size in here.shape)
     sample = here[rows, columns] - before[rows, columns]
     middle = np.median(sample)
-    return float(middle + np.clip(sample - middle, -cut, cut).mean())
+    return float(middle + np.clip(sample - middle, -cut, cut).mean(dtype=np.float64))
