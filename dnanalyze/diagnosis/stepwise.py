@@ -132,7 +132,7 @@ def reduced(problem: FitProblem, state: State) -> tuple[State, list[str]]:
             continue
         null = FittedModel.of(whole.problem, without.state)
         found = trial_of(null, name, expressed(whole.state, whole.problem, null.problem))
-        if not significant(trial_by_prediction(null, found), EVIDENCE_NULL):
+        if supported(null, [trial_by_prediction(null, found)]) is None:
             whole = null
             gone.append(name)
     return (expressed(whole.state, whole.problem, problem) if gone else state), gone
