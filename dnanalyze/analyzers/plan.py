@@ -8,6 +8,8 @@ from functools import cached_property
 import numpy as np
 
 CLIP = 6.0  # robust sigmas at which winsorised data are cut
+TAIL_CLIP = 8.0  # temporal sigmas at which differences are cut where their tails count
+LOOKS = 64  # rows and columns that tell the level of a frame: to 1.25 / 64 of its sigma
 BANDS = 32  # row bands and column bands of the block grid, where the frame is large enough
 SMALLEST_BANDS = (4, 8)  # rows, columns
 PART = 1 << 16  # pixels of a map that are worked on together
@@ -78,6 +80,11 @@ class Plan:
     def rows_of(self, bands: slice) -> slice:
         """The rows of some row bands."""
         return slice(int(self.row_edges[bands.start]), int(self.row_edges[bands.stop]))
+
+    def sample(self, image: np.ndarray) -> np.ndarray:
+        """At least `LOOKS` of its rows and columns, where it has as many, evenly over the field."""
+        rows, columns = (max(1, size // LOOKS) for size in self.shape)
+        return image[::rows, ::columns]
 
     @cached_property
     def block_pixels(self) -> np.ndarray:

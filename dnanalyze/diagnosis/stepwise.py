@@ -119,21 +119,15 @@ def removal(problem: FitProblem, state: State, name: str) -> State:
 def reduced(problem: FitProblem, state: State) -> tuple[State, list[str]]:
     """Backward step: the model without effects that are no longer significant, and their names.
 
-    By the yardstick of the model that has them; and only if, by the yardstick of the model without,
-    the effect would not be added. With codes of random widths sensors scatter so much that any
-    model is near.
+    By the yardstick of the model that has them.
     """
     gone = []
     whole = FittedModel.of(problem, state)
     for name in [n for n in state.model.names if n not in (*BASELINE, BASE)]:
         without = FittedModel(whole.problem, removal(whole.problem, whole.state, name))
         found = trial_of(without, name, whole.state)
-        if found.evidence >= EVIDENCE_NULL or found.error_fall > ERROR_SCATTER * without.error:
-            continue
-        null = FittedModel.of(whole.problem, without.state)
-        found = trial_of(null, name, expressed(whole.state, whole.problem, null.problem))
-        if supported(null, [trial_by_prediction(null, found)]) is None:
-            whole = null
+        if found.evidence < EVIDENCE_NULL and found.error_fall <= ERROR_SCATTER * without.error:
+            whole = FittedModel.of(whole.problem, without.state)
             gone.append(name)
     return (expressed(whole.state, whole.problem, problem) if gone else state), gone
 

@@ -56,7 +56,8 @@ def photon_transfer(
     kind = kinds.TRANSFER
     points = _points(temperatures, frame_error or 0.0)
     if len(points) < FEWEST:
-        return unknown(kind, "too few operating points of two frames for photon transfer"), None
+        text = "too few operating points of two frames that move by less than their noise"
+        return unknown(kind, text), None
     together = EXPOSED if _exposed(points) else ALL
     typical = _plain_line(points[points[:, TYPICAL] == 1], together)
     points = points[_of_charge(points)]

@@ -8,10 +8,9 @@ from typing import Self
 import numpy as np
 
 from dnanalyze.analyzers.kernels.layout import PEAK_SUMS, RANK_SUMS, TILE_SUMS
-from dnanalyze.analyzers.plan import BANDS, CLIP, FrameView, Plan
+from dnanalyze.analyzers.plan import BANDS, CLIP, TAIL_CLIP, FrameView, Plan
 
 EXCESS_SIGMAS = (4.0, 8.0, 16.0)
-TAIL_CLIP = 8.0  # temporal sigmas at which local variances and Haar coefficients are cut
 LAGS = ((0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2))  # (dx, dy); both diagonals count as (1, 1)
 _BLOCK = 24  # pixels along a side of a block, at least
 _TOP_SHARE = 0.01

@@ -9,12 +9,10 @@ from typing import Self
 import numpy as np
 
 from dnanalyze.analyzers.kernels.layout import BATCH
-from dnanalyze.analyzers.plan import CLIP, FrameView, Plan
+from dnanalyze.analyzers.plan import CLIP, TAIL_CLIP, FrameView, Plan
 
 HOT_SIGMAS = 5.0
 BLINK_CUT = 64.0  # squared differences are cut at this many times their scale
-MOVE_CUT = 8.0  # sigmas at which differences are cut, so that single hits are no skewness
-LOOKS = 64  # rows and columns that tell how a level moves: to 1/64 of the noise, of which the cube
 
 
 @dataclass(frozen=True)
@@ -224,21 +222,20 @@ class PixelMaps:
 def cumulants_of(plan: Plan, one: np.ndarray, two: np.ndarray, three: np.ndarray) -> np.ndarray:
     """Unbiased second and third cumulant of three successive frames, mean of the pixels; (1, 2).
 
-    DN^2 and DN^3. The level may move from frame to frame; what single pixels move by is cut at
-    `MOVE_CUT`.
+    DN^2 and DN^3. The level may move from frame to frame; what single pixels move by is cut, so
+    that a hit is no skewness of the noise.
     """
     from dnanalyze.analyzers.kernels import pixel_loops
 
-    cut = MOVE_CUT * math.sqrt(2.0) * plan.difference_sigma
-    moves = (_move(one, two, cut), _move(two, three, cut))
+    cut = TAIL_CLIP * math.sqrt(2.0) * plan.difference_sigma
+    few = [plan.sample(frame) for frame in (one, two, three)]
+    first, second = _move(few[1] - few[0], cut), _move(few[2] - few[1], cut)
     sums = np.zeros((1, 2))
-    pixel_loops.cumulants(one.ravel(), two.ravel(), three.ravel(), *moves, cut, sums[0])
+    pixel_loops.cumulants(one.ravel(), two.ravel(), three.ravel(), first, second, cut, sums[0])
     return sums / plan.pixels
 
 
-def _move(before: np.ndarray, here: np.ndarray, cut: float) -> float:
-    """By how much the level moves from a frame to the next, DN, from an even sample."""
-    rows, columns = (slice(None, None, max(1, size // LOOKS)) for size in here.shape)
-    sample = here[rows, columns] - before[rows, columns]
+def _move(sample: np.ndarray, cut: float) -> float:
+    """By how much the level moves, DN, from differences of an even sample of the pixels."""
     middle = np.median(sample)
     return float(middle + np.clip(sample - middle, -cut, cut).mean(dtype=np.float64))

@@ -7,12 +7,12 @@ import math
 import numpy as np
 
 from dnanalyze.analyzers.accumulators.accumulated import Accumulated
-from dnanalyze.analyzers.accumulators.pixel_maps import MOVE_CUT
 from dnanalyze.analyzers.estimators.quantiles import Counted, Ordered
 from dnanalyze.analyzers.estimators.steps import pattern_steps
 from dnanalyze.analyzers.estimators.uncertainty import QuantileErrors, block_sums, mean_error
 from dnanalyze.analyzers.families.family import FamilyResult
 from dnanalyze.analyzers.families.level import floor
+from dnanalyze.analyzers.plan import TAIL_CLIP
 from dnanalyze.analyzers.statistics import Scale, StatisticInfo, Value
 
 PROBABILITIES = np.array([0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99, 0.999, 0.9999])
@@ -22,7 +22,6 @@ LEVELS = ("0.001", "0.01", "0.1", "0.25", "0.75", "0.9", "0.99", "0.999", "0.999
 PLACES = [PROBABILITIES.tolist().index(float(level)) for level in LEVELS]
 TEMPORAL_LEVELS = ("0.001", "0.01", "0.99", "0.999")
 DRIFTING = 0.5  # scatter of the excess kurtosis of a few normal differences
-KURTOSIS_CUT = 8.0  # robust sigmas
 FEWEST = 4.0  # pixels expected beyond a quantile for it to be stated
 CURVE_BINS = 512
 
@@ -167,7 +166,7 @@ def _temporal(acc: Accumulated, out: FamilyResult) -> None:
         else:
             out.values[name] = Value(float(errors.values[k]), float(se[k]))
     out.curves["difference_hist_x"], out.curves["difference_hist_n"] = law.centres, law.counts
-    reach = KURTOSIS_CUT * acc.difference_sigma
+    reach = TAIL_CLIP * acc.difference_sigma
     x, w = law.centres.clip(-reach, reach), law.counts / law.total
     d = x - float(w @ x)
     m2, m4 = float(w @ d**2), float(w @ d**4)
@@ -203,7 +202,7 @@ def _skewness_error(acc: Accumulated, second: float, skewness: float) -> float:
     """Standard error of the skewness, from the blocks of one triple of frames."""
     (one, two), three = acc.maps.head, acc.maps.tail[-1]
     first, later = np.diff(acc.frame_means[[0, 1, -1]]).astype(np.float32)
-    reach = np.float32(MOVE_CUT * math.sqrt(2.0) * acc.plan.difference_sigma)
+    reach = np.float32(TAIL_CLIP * math.sqrt(2.0) * acc.plan.difference_sigma)
     third, share = np.float32(1 / (6 * second**1.5)), np.float32(skewness / (2 * second))
 
     def influence(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:

@@ -26,7 +26,6 @@ ACCUMULATORS: dict[str, Callable[[Plan], Accumulator]] = {
 }
 SERVES = {"spectra": ("spectrum", "lines"), "neighbours": ("neighbours",)}  # the others serve all
 BAND = 1 << 16  # pixels that are worked on together, in the cache
-LOOKS = 64  # rows and columns that tell the level of a frame: to 1.25 / 64 of its sigma
 HALF = np.float32(np.sqrt(0.5))
 
 
@@ -83,8 +82,7 @@ def make_view(
 
 def _shift(plan: Plan, frame: np.ndarray) -> float:
     """See `FrameView`; a cut at 6 sigma loses nothing by a centre that is off by one."""
-    rows, columns = (max(1, size // LOOKS) for size in frame.shape)
-    moved = median(frame[::rows, ::columns]) - plan.centre
+    moved = median(plan.sample(frame)) - plan.centre
     return moved if abs(moved) > plan.sigma else 0.0
 
 
