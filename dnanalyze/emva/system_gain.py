@@ -7,6 +7,7 @@ sigma2_y.dark = sigma2_0 + K (mu_y.dark - mu_0) (Janesick, Photon Transfer, SPIE
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,13 +15,15 @@ from dnanalyze.analyzers.estimators.arrhenius import misfit
 from dnanalyze.analyzers.statistics import SettingStatistics, Value
 from dnanalyze.emva import kinds
 from dnanalyze.emva.fit import AGREES, SURE, alike, common_slope
-from dnanalyze.emva.quantity import Line, Quantity, known, unknown
+from dnanalyze.emva.noise_covariance import covariances, shared
+from dnanalyze.emva.quantity import Kind, Line, Quantity, known, unknown
 from dnanalyze.robust import robust_deviation
 
 TOLD = 5.0  # standard errors that the slope stands above 0
 # Columns of the points of a curve: abscissa, ordinate, their errors; numbers of what may have an
-# intercept of its own; whether of typical pixels; pixels; exposure.
+# intercept of its own; whether of typical pixels; pixels; exposure; `covariances` of typical ones.
 LEVEL, VARIANCE, ERROR, LEVEL_ERROR, ALL, EXPOSED, POINT, TYPICAL, PIXELS, EXPOSURE = range(10)
+SHARED = slice(10, 14)
 FEWEST = 3  # points: a line and a check of it
 STEADY = 0.5  # of the squared level, see `_of_charge`
 GROWN = 2.0  # over the least level of hot pixels, see `_of_charge`
@@ -35,8 +38,10 @@ def photon_transfer(
 
     Two lines are fitted: over the typical pixels of the operating points, and over the levels
     within the operating points, where hot pixels hold more charge. Where both are determined they
-    must agree; all points together then give the gain. Telegraph noise and hits are in few pixels
-    of a level, whose variances a midmean leaves out, or in a few levels, which the fit leaves out.
+    must agree; all points together then give the gain. Pixels with telegraph noise and hits are
+    left out of a level, and a few levels of the fit. Where adjacent pixels share noise that grows
+    with the signal, their covariances count (`noise_covariance`); where that is not clear, its
+    standard error does.
 
     Parameters
     ----------
@@ -59,7 +64,29 @@ def photon_transfer(
         text = "too few operating points of two frames that move by less than their noise"
         return unknown(kind, text), None
     together = EXPOSED if _exposed(points) else ALL
-    typical = _plain_line(points[points[:, TYPICAL] == 1], together)
+    usual = points[points[:, TYPICAL] == 1]
+    typical = _plain_line(usual, together)
+    if typical is None or not _stands_out(typical):
+        return _of_lines(kind, typical, points, together)
+    group = np.unique(usual[:, together], return_inverse=True)[1]
+    common = shared(usual[:, LEVEL], usual[:, SHARED], group)
+    if common is None:
+        return _of_lines(kind, typical, points, together)
+    if common.filtered:
+        text = "pixels two apart share noise that grows with the signal: a filter, or tracks"
+        return unknown(kind, text), None
+    if common.coupled:
+        return _coupled(kind, usual, together)
+    found, line = _of_lines(kind, typical, points, together)
+    if found.se is not None:
+        found = replace(found, se=float(np.hypot(found.se, common.near.se)))
+    return found, line
+
+
+def _of_lines(
+    kind: Kind, typical: Line | None, points: np.ndarray, together: int
+) -> tuple[Quantity, Line | None]:
+    """The gain by the lines over operating points and over hot pixels, which must agree."""
     points = points[_of_charge(points)]
     within = _robust_line(points, POINT)
     found = {"operating points": typical, "hot pixels": within}
@@ -108,10 +135,28 @@ def _points(
             for n, (level, variance, error, pixels) in enumerate(np.asarray(levels, float)):
                 own = level, variance, error, shaken, 0, temperature, number, n == 0, pixels
                 exposure = s.point.exposure_s
-                rows.append((*own, np.nan if exposure is None else exposure))
+                common = covariances(s, variance)
+                rows.append((*own, np.nan if exposure is None else exposure, *common))
             number += 1
-    found = np.array(rows, float).reshape(-1, 10)
+    found = np.array(rows, float).reshape(-1, SHARED.stop)
     return found[found[:, VARIANCE] > 0]
+
+
+def _coupled(kind: Kind, points: np.ndarray, together: int) -> tuple[Quantity, Line | None]:
+    """The gain of typical pixels that share noise with adjacent ones; hot pixels do not count.
+
+    What a hot pixel shares is less: of its charge it keeps the share 1 - 4 a, of its shot noise
+    the square, so that the slope over hot pixels is low by 4 a, that over typical pixels by 8 a.
+    """
+    whole = points.copy()
+    whole[:, VARIANCE] += points[:, SHARED.start]
+    whole[:, ERROR] = np.hypot(points[:, ERROR], points[:, SHARED.start + 1])
+    line = _plain_line(whole, together)
+    if line is None or not _stands_out(line) or _curvature(line) > 2.0 * AGREES:
+        text = "adjacent pixels share noise that grows with the signal, not in proportion to it"
+        return unknown(kind, text), None
+    note = "photon transfer over operating points, with the covariances of adjacent pixels"
+    return known(kind, line.slope, note), line
 
 
 def _of_charge(points: np.ndarray) -> np.ndarray:

@@ -209,7 +209,9 @@ def _of_all(plan: Design, measured: Statistics) -> Statistics:
     """Level and noise of the fitted half at all operating points, also those left out."""
     if len(plan.everything.settings) == len(plan.captures.settings):
         return measured
-    return analyze_windows(plan.everything, [plan.train], families=("level", "time"))[0]
+    return analyze_windows(plan.everything, [plan.train], families=("level", "time", "neighbours"))[
+        0
+    ]
 
 
 def fit_problem(plan: Design, helpers: Helpers | None = None) -> FitProblem:

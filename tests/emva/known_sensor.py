@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import laplace
 
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting, Window
 
@@ -37,13 +38,17 @@ def sensor_frames(
     top: int = 4095,
     hits: float = 0.0,
     jitter: float = 0.0,
+    read_spread: float = 0.0,
+    coupling: float = 0.0,
     cfa: tuple[tuple[str, ...], ...] | None = None,
     system_gain: float | None = None,
 ) -> CaptureSet:
     """Codes at points (temperature C, exposure s, frames); 25 C is the reference.
 
     ``hits`` is the share of pixels that a hit of 400 e- strikes in a second of each frame;
-    ``jitter`` the relative standard deviation of the exposure of a frame.
+    ``jitter`` the relative standard deviation of the exposure of a frame; ``read_spread`` that of
+    the logarithm of the read noise over the pixels. ``coupling`` is the share of a pixel's charge
+    in each adjacent one.
     """
     rng = np.random.default_rng([seed, 1288])
     rate = current_e_s * np.exp(spread * rng.normal(size=shape) - spread**2 / 2)
@@ -53,6 +58,7 @@ def sensor_frames(
         + col_dn * rng.normal(size=shape[1])
         + pixel_dn * rng.normal(size=shape)
     )
+    read = read_e * np.exp(read_spread * rng.normal(size=shape)) if read_spread else read_e
     settings = []
     for celsius, exposure, frames in points:
         kelvin = 298.15 if celsius is None else celsius + 273.15
@@ -62,7 +68,10 @@ def sensor_frames(
         made = []
         for _ in range(frames):
             longer = max(1.0 + jitter * rng.normal(), 0.0) if jitter else 1.0
-            charge = rng.poisson(rate * warm * t * longer) + read_e * rng.normal(size=shape)
+            charge = rng.poisson(rate * warm * t * longer).astype(float)
+            if coupling:
+                charge += coupling * laplace(charge, mode="reflect")
+            charge = charge + read * rng.normal(size=shape)
             charge = charge + 400.0 * (rng.random(shape) < hits * t)
             y = offset + gain * charge + row_noise_dn * rng.normal(size=(shape[0], 1))
             made.append(np.clip(np.rint(y), 0, top).astype(np.uint16))

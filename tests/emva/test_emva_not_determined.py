@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from known_sensor import sensor_frames
+from scipy.ndimage import convolve
 
 from dnanalyze.analyzers.analyze import analyze
 from dnanalyze.emva import Emva, evaluate
+from dnanalyze.loaders.arrays import from_arrays
 from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor, Setting
 from dnanalyze.report.emva_tables import undetermined
 
@@ -102,6 +104,20 @@ def test_hits_that_grow_with_exposure_leave_photon_transfer_alone():
     known = of(sensor_frames(0, points, hits=0.002), system_gain_dn_e=0.8).groups[0]
     variance = known.dark_currents[0].quantities["dark_current_var_e_s"]
     assert "not by shot noise alone" in variance.reason
+
+
+@pytest.mark.parametrize("weights", [(1.0, 1.0, 1.0), (1.0, 2.0, 1.0)])
+def test_filtered_frames_give_no_gain(weights):
+    """Their variance, a tenth of that of the sensor, would give a gain with a small error."""
+    kernel = np.outer(weights, weights) / np.sum(weights) ** 2
+    points = [(25.0, t, 6) for t in (0.1, 1.0, 4.0, 8.0)]
+    frames = {
+        setting.point: [convolve(f.read().astype(float), kernel).round() for f in setting.frames]
+        for setting in sensor_frames(0, points, (160, 160)).settings
+    }
+    gain = of(from_arrays(frames)).groups[0].quantities["photon_transfer_gain_dn_e"]
+    assert not gain.determined
+    assert "two apart" in gain.reason
 
 
 @pytest.mark.parametrize(("jitter", "stated"), [(0.02, True), (0.3, False)])

@@ -9,9 +9,12 @@ import numpy as np
 
 from dnanalyze.analyzers.kernels.layout import PEAK_SUMS, RANK_SUMS, TILE_SUMS
 from dnanalyze.analyzers.plan import BANDS, CLIP, TAIL_CLIP, FrameView, Plan
+from dnanalyze.significance import NOTICEABLE
 
 EXCESS_SIGMAS = (4.0, 8.0, 16.0)
 LAGS = ((0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2))  # (dx, dy); both diagonals count as (1, 1)
+SUMS = "peaks", "ranks", "lags", "pairs", "tiles"
+OUTLYING = NOTICEABLE  # sigmas of D: the tracks of particles lie beyond, 6e-5 of normal noise too
 _BLOCK = 24  # pixels along a side of a block, at least
 _TOP_SHARE = 0.01
 _SAMPLE = 65536  # pixels from which the level of the top 1 % is taken
@@ -21,7 +24,8 @@ class Neighbours:
     """Block sums over the frames y and over their differences D; see `neighbour_loops`.
 
     Attributes are (row bands, column bands, sums) on the grid of `edges_of`, float64: ``peaks`` of
-    y; ``ranks``, ``lags`` and ``tiles`` of D. ``each`` holds, by the same names, the sums over the
+    y; ``ranks``, ``lags``, ``pairs`` and ``tiles`` of D; ``pairs``, without outlying pixels, where
+    errors are wanted. ``each`` holds, by the same names, the sums over the
     field of each y and each D.
     """
 
@@ -33,8 +37,9 @@ class Neighbours:
         self.peaks = np.zeros((*grid, PEAK_SUMS))
         self.ranks = np.zeros((*grid, RANK_SUMS))
         self.lags = np.zeros((*grid, len(LAGS)))
+        self.pairs = np.zeros((*grid, 2 * len(LAGS) - 2))
         self.tiles = np.zeros((*grid, TILE_SUMS))
-        self.each: dict[str, list[np.ndarray]] = {"peaks": [], "ranks": [], "lags": [], "tiles": []}
+        self.each: dict[str, list[np.ndarray]] = {name: [] for name in SUMS}
 
     def add(self, view: FrameView) -> None:
         """Take in the next frame, and its difference to the one before."""
@@ -59,7 +64,7 @@ class Neighbours:
         self._add_difference(seam.difference)
         self.frames += later.frames
         self.differences += later.differences
-        for name in ("peaks", "ranks", "lags", "tiles"):
+        for name in SUMS:
             mine: np.ndarray = getattr(self, name)
             mine += getattr(later, name)
             self.each[name] += later.each[name]
@@ -71,6 +76,12 @@ class Neighbours:
         self.differences += 1
         self._take("ranks", rank_shares(plan, difference))
         self._take("lags", lag_products(plan, difference, CLIP * plan.difference_sigma))
+        if plan.errors:
+            pairs = np.zeros_like(self.pairs)
+            reach = OUTLYING * plan.difference_sigma
+            lines = neighbour_loops.line_means(difference, reach)
+            neighbour_loops.pair_sums(difference, reach, *lines, *edges_of(plan), pairs)
+            self._take("pairs", pairs)
         tiles = np.zeros_like(self.tiles)
         reach = TAIL_CLIP * plan.difference_sigma
         bands = _bands(plan.shape[0]), _bands(plan.shape[1])

@@ -13,12 +13,14 @@ from dnanalyze.analyzers.accumulators.neighbour_sums import (
     EXCESS_SIGMAS,
     LAGS,
     Neighbours,
+    edges_of,
     lag_products,
     rank_shares,
     top_level,
 )
 from dnanalyze.analyzers.estimators.halo import halo
 from dnanalyze.analyzers.families import neighbours
+from dnanalyze.analyzers.kernels import neighbour_loops
 from dnanalyze.analyzers.kernels.layout import PEAK_EXCESS, PEAK_SUMS
 from dnanalyze.analyzers.kernels.neighbour_loops import peak_sums
 from dnanalyze.analyzers.streaming.accumulation import accumulate, make_plan
@@ -337,3 +339,40 @@ def test_a_single_frame_has_correlations_of_its_own():
         assert abs(value.value - correlation) < 4.5 * value.se, lag
         assert 0.5 / 300 <= value.se < 0.01
     assert not any(name.startswith("frame_corr") for name in values(neighbours, [frame, -frame]))
+
+
+def test_sums_over_pairs_are_those_of_a_plain_computation():
+    """Pixels beyond the reach are in no pair; both squares of a pair count."""
+    rng = np.random.default_rng(8)
+    image = rng.normal(size=(37, 53)).astype(np.float32)
+    plan = make_plan(image)
+    lines = neighbour_loops.line_means(image, 1.5)
+    edges = edges_of(plan)
+    out = np.zeros((edges[0].size - 1, edges[1].size - 1, 10))
+    neighbour_loops.pair_sums(image, 1.5, *lines, *edges, out)
+    sums = out.sum(axis=(0, 1))
+    cut = np.clip(image.astype(float), -1.5, 1.5)
+    x = image - cut.mean(axis=0) - cut.mean(axis=1)[:, None] + cut.mean()
+    x = np.where(np.abs(image) <= 1.5, x, np.nan)
+    h, w = x.shape
+    for k, (dx, dy) in enumerate(LAGS[1:]):
+        pairs = [(x[: h - dy, : w - dx], x[dy:, dx:])]
+        if (dx, dy) == (1, 1):
+            pairs.append((x[: h - 1, 1:], x[1:, : w - 1]))
+        plain = np.mean([np.nansum(a * b) for a, b in pairs])
+        square = np.mean([np.nansum((a * a + b * b) / 2) for a, b in pairs])
+        assert sums[k] == pytest.approx(plain, rel=1e-4, abs=1e-3)
+        assert sums[k + 5] == pytest.approx(square, rel=1e-4)
+
+
+def test_particle_tracks_correlate_no_typical_pixels():
+    """Of single frames; the correlation of all pixels, cut at 6 sigma, tells them."""
+    rng = np.random.default_rng(9)
+    frames = white(rng, (200, 200), 6)
+    for frame in frames:
+        for row, column in zip(rng.integers(0, 200, 30), rng.integers(0, 190, 30), strict=True):
+            frame[row, column : column + 6] += 500.0
+    result = neighbours.finish(accumulated(frames))
+    value, error = result.curves["noise_correlation"][0]
+    assert abs(value) < 4 * error
+    assert result.values["temporal_corr_10"].value > 0.02
