@@ -13,7 +13,7 @@ from dnanalyze.significance import NOTICEABLE
 
 EXCESS_SIGMAS = (4.0, 8.0, 16.0)
 LAGS = ((0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2))  # (dx, dy); both diagonals count as (1, 1)
-SUMS = "peaks", "ranks", "lags", "pairs", "tiles"
+SUMS = "peaks", "ranks", "lags", "inner", "tiles"
 OUTLYING = NOTICEABLE  # sigmas of D: the tracks of particles lie beyond, 6e-5 of normal noise too
 _BLOCK = 24  # pixels along a side of a block, at least
 _TOP_SHARE = 0.01
@@ -24,9 +24,9 @@ class Neighbours:
     """Block sums over the frames y and over their differences D; see `neighbour_loops`.
 
     Attributes are (row bands, column bands, sums) on the grid of `edges_of`, float64: ``peaks`` of
-    y; ``ranks``, ``lags``, ``pairs`` and ``tiles`` of D; ``pairs``, without outlying pixels, where
-    errors are wanted. ``each`` holds, by the same names, the sums over the
-    field of each y and each D.
+    y; ``ranks``, ``lags``, ``inner`` and ``tiles`` of D. ``inner``, where errors are wanted, are lags
+    without outlying pixels, and the number of the others. ``each`` holds, by the same names, the
+    sums over the field of each y and each D.
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -37,7 +37,7 @@ class Neighbours:
         self.peaks = np.zeros((*grid, PEAK_SUMS))
         self.ranks = np.zeros((*grid, RANK_SUMS))
         self.lags = np.zeros((*grid, len(LAGS)))
-        self.pairs = np.zeros((*grid, 2 * len(LAGS) - 2))
+        self.inner = np.zeros((*grid, len(LAGS) + 1))
         self.tiles = np.zeros((*grid, TILE_SUMS))
         self.each: dict[str, list[np.ndarray]] = {name: [] for name in SUMS}
 
@@ -77,11 +77,11 @@ class Neighbours:
         self._take("ranks", rank_shares(plan, difference))
         self._take("lags", lag_products(plan, difference, CLIP * plan.difference_sigma))
         if plan.errors:
-            pairs = np.zeros_like(self.pairs)
+            inner = np.zeros_like(self.inner)
             reach = OUTLYING * plan.difference_sigma
             lines = neighbour_loops.line_means(difference, reach)
-            neighbour_loops.pair_sums(difference, reach, *lines, *edges_of(plan), pairs)
-            self._take("pairs", pairs)
+            neighbour_loops.inner_sums(difference, reach, *lines, *edges_of(plan), inner)
+            self._take("inner", inner)
         tiles = np.zeros_like(self.tiles)
         reach = TAIL_CLIP * plan.difference_sigma
         bands = _bands(plan.shape[0]), _bands(plan.shape[1])

@@ -111,8 +111,8 @@ def finish(acc: Accumulated) -> FamilyResult:
         _ranks("temporal", ranks, result)
         _correlations("temporal", lags, result)
         if plan.errors:
-            pairs = _Sums(plan, sums.pairs, np.array(sums.each["pairs"]), overlap)
-            result.curves["noise_correlation"] = _of_pairs(pairs)
+            inner = _Sums(plan, sums.inner, np.array(sums.each["inner"]), overlap)
+            result.curves["noise_correlation"] = _inner(inner)
         _local_variances(tiles, result)
         _shared_noise(acc, result)
     else:
@@ -164,38 +164,41 @@ def _ranks(part: str, sums: _Sums, result: FamilyResult) -> None:
 
 
 def _correlations(part: str, sums: _Sums, result: FamilyResult) -> None:
-    """Covariance at each lag over the variance."""
-    rows, columns = sums.plan.shape
-    for at, (lag, name) in enumerate(zip(LAGS[1:], LAG_NAMES, strict=True), 1):
-        if not sums.total[0] > 0:
-            result.missing[f"{part}_corr_{name}"] = "all pixels are equal"
-            continue
-        scale = rows * columns / ((rows - lag[1]) * (columns - lag[0]))
-        result.values[f"{part}_corr_{name}"] = _at_lag(sums, at, 0, lag, scale)
+    names = [f"{part}_corr_{name}" for name in LAG_NAMES]
+    if sums.total[0] > 0:
+        result.values.update(zip(names, _at_lags(sums), strict=True))
+    else:
+        result.missing.update(dict.fromkeys(names, "all pixels are equal"))
 
 
-def _at_lag(sums: _Sums, at: int, over: int, lag: tuple[int, int], scale: float = 1.0) -> Value:
-    """One sum over another as a correlation at (dx, dy).
+def _inner(sums: _Sums) -> np.ndarray:
+    """Correlations at the lags without outlying pixels, and their standard errors, (lags, 2).
+
+    Of n pixels m are left, and of n pairs m^2 / n.
+    """
+    if not sums.total[0] > 0:
+        return np.empty((0, 2))
+    pixels = math.prod(sums.plan.shape) * sums.frames
+    share = float(sums.total[len(LAGS)]) / pixels
+    return np.array([(v.value, v.se) for v in _at_lags(sums)]) / share
+
+
+def _at_lags(sums: _Sums) -> list[Value]:
+    """Covariance at each lag but the first over the variance.
 
     Removing the row means took 1/columns off the correlation along a row, removing the column means
     1/rows off that along a column; this is put back.
     """
     rows, columns = sums.plan.shape
-    (dx, dy), variance = lag, float(sums.total[over])
-    ratio = float(sums.total[at]) / variance
-    value = ratio * scale + (1 / columns if dy == 0 else 0) + (1 / rows if dx == 0 else 0)
-    error = sums.error({at: 1.0, over: -ratio}) / variance * scale
-    floor = 0.5 / math.sqrt(rows * columns * max(1, sums.frames))
-    return Value(value, max(error, floor))
-
-
-def _of_pairs(sums: _Sums) -> np.ndarray:
-    """Correlations at the lags without outlying pixels, and their standard errors, (lags, 2)."""
-    count = len(LAGS) - 1
-    if not (sums.total[count:] > 0).all():
-        return np.empty((0, 2))
-    found = [_at_lag(sums, k, count + k, lag) for k, lag in enumerate(LAGS[1:])]
-    return np.array([(v.value, v.se) for v in found])
+    variance, found = float(sums.total[0]), []
+    for at, (dx, dy) in enumerate(LAGS[1:], 1):
+        scale = rows * columns / ((rows - dy) * (columns - dx))
+        ratio = float(sums.total[at]) / variance
+        value = ratio * scale + (1 / columns if dy == 0 else 0) + (1 / rows if dx == 0 else 0)
+        error = sums.error({at: 1.0, 0: -ratio}) / variance * scale
+        floor = 0.5 / math.sqrt(rows * columns * max(1, sums.frames))
+        found.append(Value(value, max(error, floor)))
+    return found
 
 
 def _peaks(sums: _Sums, result: FamilyResult) -> None:

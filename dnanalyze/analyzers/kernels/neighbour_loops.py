@@ -195,50 +195,44 @@ def lag_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
 
 
 @njit(cache=True, nogil=True)
-def pair_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
-    """Sums over pairs of pixels that both lie within +-reach, at the `LAGS` but the first.
-
-    ``out`` is (row bands, column bands, 10): products, less row and column means, at each lag; then
-    the mean squares of the same pairs. A pair belongs to the block of its first pixel.
-    """
+def inner_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
+    """As `lag_sums`, of the pixels within +-reach alone, and their number: (bands, bands, 7)."""
     rows, columns = x.shape
     cut = np.float32(reach)
     middle = np.float32(by_row.mean())
-    zero, half = np.float32(0.0), np.float32(0.5)
-    value = np.zeros((3, columns + 2), np.float32)
-    here = np.zeros((3, columns + 2), np.float32)
-    sums = np.empty((10, columns), np.float32)
+    zero, half, one = np.float32(0.0), np.float32(0.5), np.float32(1.0)
+    buffer = np.zeros((3, columns + 2), np.float32)
+    inside = np.zeros((3, columns), np.float32)
+    sums = np.empty((7, columns), np.float32)
+    s00, s10, s01, s11, s20, s02, pixels = (
+        sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6]
+    )  # fmt: skip
     for r in range(row_edges.size - 1):
         sums[:] = zero
         for i in range(row_edges[r], row_edges[r + 1]):
-            for k in range(0 if i == 0 else 2, 3):
-                at = (i + k) % 3
-                value[at, :] = zero
-                here[at, :] = zero
-                if i + k < rows:
-                    shift = by_row[i + k] - middle
-                    for j in range(columns):
-                        inside = np.float32(abs(x[i + k, j]) <= cut)
-                        here[at, j] = inside
-                        value[at, j] = inside * (x[i + k, j] - shift - by_column[j])
-            a, b, c = value[i % 3], value[(i + 1) % 3], value[(i + 2) % 3]
-            p, q, s = here[i % 3], here[(i + 1) % 3], here[(i + 2) % 3]
+            for ahead in range(0 if i == 0 else 2, 3):
+                made = buffer[(i + ahead) % 3]
+                if i + ahead >= rows:
+                    made[:] = zero
+                    continue
+                line, kept = x[i + ahead], inside[(i + ahead) % 3]
+                shift = by_row[i + ahead] - middle
+                for j in range(columns):
+                    kept[j] = one if abs(line[j]) <= cut else zero
+                    made[j] = kept[j] * (line[j] - shift - by_column[j])
+            here, next_row, counted = buffer[i % 3], buffer[(i + 1) % 3], inside[i % 3]
+            a, a1, a2 = here[:columns], here[1 : columns + 1], here[2:]
+            b, b1 = next_row[:columns], next_row[1 : columns + 1]
+            c = buffer[(i + 2) % 3, :columns]
             for j in range(columns):
-                y, w = a[j], p[j]
-                yy = y * y
-                sums[0, j] += y * a[j + 1]
-                sums[1, j] += y * b[j]
-                sums[2, j] += half * (y * b[j + 1] + a[j + 1] * b[j])
-                sums[3, j] += y * a[j + 2]
-                sums[4, j] += y * c[j]
-                sums[5, j] += half * (yy * p[j + 1] + w * a[j + 1] * a[j + 1])
-                sums[6, j] += half * (yy * q[j] + w * b[j] * b[j])
-                sums[7, j] += half * half * (
-                    yy * q[j + 1] + w * b[j + 1] * b[j + 1]
-                    + a[j + 1] * a[j + 1] * q[j] + p[j + 1] * b[j] * b[j]
-                )  # fmt: skip
-                sums[8, j] += half * (yy * p[j + 2] + w * a[j + 2] * a[j + 2])
-                sums[9, j] += half * (yy * s[j] + w * c[j] * c[j])
+                y = a[j]
+                s00[j] += y * y
+                s10[j] += y * a1[j]
+                s20[j] += y * a2[j]
+                s01[j] += y * b[j]
+                s02[j] += y * c[j]
+                s11[j] += half * (y * b1[j] + a1[j] * b[j])
+                pixels[j] += counted[j]
         _into_bands(sums, column_edges, 0, out[r])
 
 

@@ -34,7 +34,7 @@ class Crosstalk(Effect):
         "about 2 alpha), each hot pixel gains a halo of the same relative height, and the "
         "spectrum falls towards high frequency, down to a plateau when all noise is dark noise; "
         "read noise, added later, stays white. It lowers the apparent shot noise, so gain from "
-        "photon transfer comes out too small unless corrected."
+        "photon transfer comes out too small unless the covariances of neighbours count."
     )
     formula: ClassVar[str] = (
         "y = k * h, k = alpha (1 + a) on the neighbours in the row, alpha (1 - a) on those in the "
