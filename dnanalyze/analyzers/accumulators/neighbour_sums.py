@@ -24,8 +24,8 @@ class Neighbours:
     """Block sums over the frames y and over their differences D; see `neighbour_loops`.
 
     Attributes are (row bands, column bands, sums) on the grid of `edges_of`, float64: ``peaks`` of
-    y; ``ranks``, ``lags``, ``inner`` and ``tiles`` of D. ``inner``, where errors are wanted, are lags
-    without outlying pixels, and the number of the others. ``each`` holds, by the same names, the
+    y; ``ranks``, ``lags``, ``inner`` and ``tiles`` of D. ``inner`` are lags without outlying pixels
+    and the number of the others, where errors are wanted. ``each`` holds, by the same names, the
     sums over the field of each y and each D.
     """
 
@@ -79,8 +79,8 @@ class Neighbours:
         if plan.errors:
             inner = np.zeros_like(self.inner)
             reach = OUTLYING * plan.difference_sigma
-            lines = neighbour_loops.line_means(difference, reach)
-            neighbour_loops.inner_sums(difference, reach, *lines, *edges_of(plan), inner)
+            by_row, by_column = neighbour_loops.line_means(difference, reach)
+            neighbour_loops.inner_sums(difference, reach, by_row, by_column, *edges_of(plan), inner)
             self._take("inner", inner)
         tiles = np.zeros_like(self.tiles)
         reach = TAIL_CLIP * plan.difference_sigma
