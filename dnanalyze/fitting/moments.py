@@ -55,6 +55,21 @@ class Moments:
         )
 
     @property
+    def gains(self) -> np.ndarray:
+        """Analog gain of each point over that of the reference."""
+        return np.array([p.gain_over(self.reference) for p in self.points])
+
+    @property
+    def readout(self) -> np.ndarray:
+        """How a variance of the readout goes with the points, (points, 1 or 2).
+
+        That of what is added before the analog gain, and, where there are several gains, after it.
+        """
+        before = self.gains**2
+        several = np.ptp(before) > 0
+        return np.column_stack([before, np.ones_like(before)] if several else [before])
+
+    @property
     def total(self) -> np.ndarray:
         """Variance of a single frame."""
         return self.temporal + self.pattern
@@ -96,9 +111,9 @@ def less(m: Moments, effect: Effect, shape: tuple[int, int]) -> Moments:
         return m
     level, variance = np.array(contributions, float).T
     rest = np.maximum(m.signal - level, REST * m.signal)
-    design = np.stack([np.ones_like(m.signal), m.signal], 1) / m.total[:, None]
-    (_, slope), _ = nnls(design, m.temporal / m.total)
-    temporal = np.maximum(m.temporal - slope * (m.signal - rest), REST * m.temporal)
+    design = np.column_stack([m.readout, m.gains * m.signal]) / m.total[:, None]
+    slope = float(nnls(design, m.temporal / m.total)[0][-1])
+    temporal = np.maximum(m.temporal - slope * m.gains * (m.signal - rest), REST * m.temporal)
     pattern = np.maximum(m.pattern - variance, REST * m.pattern)
     return replace(m, signal=rest, temporal=temporal, pattern=pattern)
 
@@ -224,6 +239,7 @@ def pedestal_guess(
     lowest = float(np.min(mean))
     celsius = [25.0 if p.temperature_c is None else p.temperature_c for p in points]
     exposure = np.array([1.0 if p.exposure_s is None else p.exposure_s for p in points])
+    exposure = exposure * [p.gain_over(points[0]) for p in points]  # of the charge, in DN
     x = activation(np.array(celsius) + KELVIN, 25.0 + KELVIN)
     grown = exposure * np.exp(x)
     if len(points) < 3 or np.ptp(grown) <= 1e-6 * np.max(grown):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -22,6 +22,7 @@ from dnanalyze.model.registry import BASE, built_in
 # Shot noise has this share of the temporal variance at least, for of none a fit sees no slope; but
 # where there is hardly any charge no share makes a gain of more than that, DN/e-.
 SEEN, FAINT = 0.02, 0.1
+LEAST = 0.01  # DN^2, of a variance of the readout: an eighth of that of rounding
 
 
 def _table(points: list[OperatingPoint], values: np.ndarray) -> TableLaw:
@@ -81,15 +82,16 @@ def baseline_by_moments(
     black = m.pedestal if m.black is None else m.black
     above = m.pedestal + m.signal - [value_at(black, p) for p in m.points]
     m = replace(m, signal=np.maximum(above, 0.01 * np.sqrt(np.min(m.total)) + 1e-3))
-    (floor, slope), _ = nnls(_two(np.ones_like(m.signal), m.signal, weight), m.temporal * weight)
-    brightest = int(np.argmax(m.signal))
-    slope = max(slope, min(SEEN * m.temporal[brightest] / m.signal[brightest], FAINT))
+    charge = m.gains * m.signal  # times K: the variance of its shot noise
+    *floors, slope = _shares(m.temporal, weight, m.readout, charge)
+    brightest = int(np.argmax(charge))
+    slope = max(slope, min(SEEN * m.temporal[brightest] / charge[brightest], FAINT))
     if gain is not None:
         slope = gain
-        floor = float(np.average(np.maximum(m.temporal - slope * m.signal, 0.0), weights=weight))
-    (offsets, relative), _ = nnls(
-        _two(np.ones_like(m.signal), m.signal**2, weight), m.pattern * weight
-    )
+        floors = _shares(np.maximum(m.temporal - slope * charge, 0.0), weight, m.readout)
+    *offsets, relative = _shares(m.pattern, weight, m.readout, m.signal**2)
+    floors[-1] -= ROUNDING_VARIANCE
+    read_sd, offset_sd = (_deviations(v) for v in (floors, offsets))
     delta = math.sqrt(math.log1p(min(max(relative, 1e-3), 50.0)))
     lit = [i for i, p in enumerate(m.points) if p.exposure_s is None or p.exposure_s > 0]
     reference = m.reference
@@ -100,18 +102,23 @@ def baseline_by_moments(
     effects = (
         base,
         known["dark_shot_noise"](dn_per_e=float(np.clip(slope, 1e-3, 50))),  # type: ignore[call-arg]
-        known["read_noise"](  # type: ignore[call-arg]
-            sigma=math.sqrt(max(floor - ROUNDING_VARIANCE, 0.01)),
-            **read,
-        ),
-        known["pixel_fpn"](sigma=math.sqrt(max(offsets, 1e-3))),  # type: ignore[call-arg]
+        known["read_noise"](**read_sd, **read),
+        known["pixel_fpn"](**offset_sd),
         known["quantization"](bits=bits),  # type: ignore[call-arg]
     )
     return NoiseModel(effects, black, reference)
 
 
-def _two(a: np.ndarray, b: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    return np.stack([a, b], 1) * weight[:, None]
+def _deviations(variances: Sequence[float]) -> dict[str, float]:
+    """Standard deviations before the analog gain and after it; the fit sees none of 0."""
+    names = ("sigma", "converter")
+    return {n: math.sqrt(max(v, LEAST)) for n, v in zip(names, variances, strict=False)}
+
+
+def _shares(values: np.ndarray, weight: np.ndarray, *terms: np.ndarray) -> list[float]:
+    """Terms, none below 0, whose sum is nearest to the values."""
+    design = np.column_stack(terms) * weight[:, None]
+    return [float(v) for v in nnls(design, values * weight)[0]]
 
 
 def _by_temperature(points: list[OperatingPoint], mu: np.ndarray, lit: list[int]) -> TableLaw:

@@ -22,7 +22,7 @@ from dnanalyze.fitting.readings import Readings
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.laws import TableLaw
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.significance import TOLERATED
+from dnanalyze.significance import STATED, TOLERATED
 
 # Relative error of a gain that the camera states, or the user. A quantity of a model that is off by
 # less agrees.
@@ -106,8 +106,25 @@ class Direct:
         return TableLaw(tuple(points), tuple(own.law.at(p) for p in points))
 
     def gains_at(self, setting: float | None) -> list[Known]:
-        """System gains at a setting of the gain, DN/e-; that of photon transfer first."""
-        return [known for at, known in self.gains if at in (None, setting)]
+        """System gains at a setting of the gain, DN/e-; that of photon transfer first.
+
+        Photon transfers at other settings count in proportion to these, if they agree.
+        """
+        found = [known for at, known in self.gains if at in (None, setting)]
+        other = [k for at, k in self._transfers(setting) if at != setting]
+        own = next((k for k in found if k.source == TRANSFER), None)
+        if not other or any(own and not _agree(own, k) for k in other):
+            return found
+        rest = [k for k in found if k is not own]
+        return [_mean([*([own] if own else []), *other]), *rest]
+
+    def _transfers(self, setting: float | None) -> list[tuple[float, Known]]:
+        """Photon transfers at each setting that is known, in proportion at this one."""
+        return [
+            (at, replace(k, value=k.value * setting / at, error=k.error * setting / at))
+            for at, k in self.gains
+            if setting and at and k.source == TRANSFER
+        ]
 
     def gains_of(self, model: NoiseModel) -> list[Known]:
         """System gains that constrain a model; none where a filter follows the shot noise."""
@@ -165,6 +182,18 @@ class Direct:
         row = rows.law.points.index(point)
         black = rows.law.values[row] - model.black_shift(point, shape)
         return [Tie(at, black, float(rows.errors[row]))]
+
+
+def _agree(one: Known, other: Known) -> bool:
+    return abs(one.value - other.value) <= STATED * float(np.hypot(one.error, other.error))
+
+
+def _mean(found: Sequence[Known]) -> Known:
+    """Weighted mean of gains of one source, good to `GAIN_TOLERANCE` at best."""
+    value, error = np.array([(k.value, k.error) for k in found]).T
+    mean = float(np.average(value, weights=error**-2.0))
+    sd = max(float(np.sum(error**-2.0) ** -0.5), GAIN_TOLERANCE * mean)
+    return Known(mean, sd, found[0].source)
 
 
 def digital_gain(model: NoiseModel) -> float:

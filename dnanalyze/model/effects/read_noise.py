@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -34,12 +35,13 @@ class ReadNoise(Effect):
         "one after the other. Where one amplifier reads pixel "
         "after pixel, as in a CCD, double sampling and a limited bandwidth carry some of it over "
         "to the next pixel of the row (`serial`, either sign) and to the one after it "
-        "(`serial2`). Averaging K frames divides it by "
-        "sqrt(K); a higher analog gain lowers it in electrons."
+        "(`serial2`). What is added after the analog gain (`converter`), by the line driver and "
+        "the converter, is the same in DN at every gain; captures of two gains tell it apart. "
+        "Averaging K frames divides it by sqrt(K); a higher analog gain lowers it in electrons."
     )
     formula: ClassVar[str] = (
-        "y_i += sigma e^(s n_i - s^2) N(0,1), n_i ~ N(0,1) fixed, one an amplifier; rms over "
-        "pixels = sigma; "
+        "y_i += sqrt((G sigma)^2 e^(2 s n_i - 2 s^2) + c^2) N(0,1), G the analog gain over that of "
+        "the reference, n_i ~ N(0,1) fixed, one an amplifier; "
         "pixels of a row that are read one after the other correlated by r_1, those two apart by "
         "r_2, those farther apart not"
     )
@@ -78,6 +80,9 @@ class ReadNoise(Effect):
     serial2: float = parameter(
         0.0, "1", -0.45, 0.45, "correlation with the pixel read before that one", "linear"
     )
+    converter: float = parameter(
+        0.0, "DN", 0.0, 1e4, "standard deviation of what is added after the analog gain", "linear"
+    )
     shared: str = choice(
         "1x1", "rows x columns of pixels that share an amplifier, from the corner of the frame",
         "1x1", "1x2", "2x1", "2x2",
@@ -89,26 +94,31 @@ class ReadNoise(Effect):
         return sizes(self.shared)
 
     def inactive_parameters(self) -> tuple[str, ...]:
-        """Correlations where there are none: pixels that are read side by side have none."""
-        return tuple(name for name in ("serial", "serial2") if getattr(self, name) == 0)
+        """Correlations where there are none; noise after the gain, which one gain does not tell."""
+        return tuple(n for n in ("serial", "serial2", "converter") if getattr(self, n) == 0)
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the noise."""
         sigma = self.value("sigma", site.point) * site.gain_ratio
+        converter = self.value("converter", site.point)
         spread = np.float32(self.value("spread", site.point))
         key = site.frame_stream.child("").key
         serial = self.value("serial", site.point), self.value("serial2", site.point)
         if spread == 0 and not any(serial):
-            return draws.add_normal(signal, sigma, key, site.window, site.shape[1])
-        each = site.keep(
-            "map", lambda: np.float32(sigma) * np.exp(spread * (site.amplifiers("normal") - spread))
-        )
+            total = math.hypot(sigma, converter)
+            return draws.add_normal(signal, total, key, site.window, site.shape[1])
+
+        def of_pixels() -> np.ndarray:
+            own = np.float32(sigma) * np.exp(spread * (site.amplifiers("normal") - spread))
+            return np.hypot(own, np.float32(converter)) if converter else own
+
+        each = site.keep("map", of_pixels)
         signal += each * (_one_after_another(serial, key, site) if any(serial) else site.normal())
         return signal
 
     def variance(self, point: OperatingPoint) -> float:
-        """sigma^2, DN^2, at the reference gain; the spread keeps the mean square."""
-        return self.value("sigma", point) ** 2
+        """Of both sources, DN^2, at the reference gain; the spread keeps the mean square."""
+        return self.value("sigma", point) ** 2 + self.value("converter", point) ** 2
 
 
 def _one_after_another(correlations: tuple[float, float], key: int, site: Site) -> np.ndarray:

@@ -116,7 +116,7 @@ def in_electrons(model: NoiseModel, temperature_c: float | None = None) -> Elect
     at = point.temperature_c if point.temperature_c is not None else 25.0
     slope = (log_mean(at + STEP_C) - log_mean(at - STEP_C)) / (2.0 * STEP_C)
     spread = 0.0 if read is None else read.value("spread", point)
-    sigma = 0.0 if read is None else read.value("sigma", point)
+    sigma = 0.0 if read is None else math.sqrt(read.variance(point) or 0.0)
     return Electrons(
         point=replace(point, temperature_c=at),
         dn_per_e=gain,
@@ -126,6 +126,6 @@ def in_electrons(model: NoiseModel, temperature_c: float | None = None) -> Elect
         read_e=sigma / gain,
         read_spread=spread,
         offset_dn=value_at(model.pedestal, point),
-        pixel_offset_dn=0.0 if offsets is None else offsets.value("sigma", point),
+        pixel_offset_dn=0.0 if offsets is None else math.sqrt(offsets.variance(point) or 0.0),
         bits=BITS if converter is None else int(getattr(converter, "bits")),  # noqa: B009
     )
