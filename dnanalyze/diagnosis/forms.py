@@ -22,8 +22,9 @@ from dnanalyze.model.noise_model import NoiseModel
 
 # Squared misfit between two predictions: a likelihood ratio of e^(1/2) at most
 INDISTINGUISHABLE = 1.0
-# Properties of the converter, the mosaic, the pixels and the readout: the frames show them
-UNTRIED = ("bits", "step", "spacing", "shared", "together")
+# Properties of the converter, the mosaic, the pixels and the readout: the frames show them, or,
+# of the gain, first guesses have both forms where there are several
+UNTRIED = ("bits", "step", "spacing", "shared", "together", "added")
 
 
 def completed(problem: FitProblem, found: Trial) -> State:

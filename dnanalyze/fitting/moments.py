@@ -21,6 +21,7 @@ DARK_EV = np.linspace(0.3, 1.28, 50)  # eV; what grows more slowly looks like a 
 # Share of the temporal variance that may be of whole frames for the quartiles of differences to
 # tell the rest: beyond it, few frames make lumps of differences that are no Gaussian.
 MOVED = 0.5
+FAINTEST = 0.05  # DN, of a dark signal that nothing tells
 REST = 0.02  # share of a moment that is the sensor's at least
 NEAR_C, SAME_C = 5.0, 1.0  # C: no row of its own is needed; taken for one temperature
 
@@ -94,7 +95,8 @@ def moments(readings: Readings, black_level: float | None, black: Law | None = N
     fixed = np.where(frames > 1, stack, single - temporal)
     pattern = np.fmax(fixed, 1e-4 * single)  # of frames that are all alike nothing else is told
     error = readings.error("mean")
-    pedestal = pedestal_guess(readings.points, mean, black_level, error)
+    most = most_signal(mean, temporal, pattern)
+    pedestal = pedestal_guess(readings.points, mean, black_level, error, most)
     least = 0.01 * np.sqrt(np.nanmin(temporal + pattern)) + 1e-3
     signal = np.maximum(mean - pedestal, least)
     return Moments(readings.points, pedestal, signal, temporal, pattern, black)
@@ -223,8 +225,12 @@ def pedestal_guess(
     mean: np.ndarray,
     black_level: float | None,
     error: np.ndarray | float = 0.0,
+    most: float = FAINTEST,
 ) -> float:
     """Black level from the series, mean = pedestal + A t exp(-Ea/k (1/T - 1/T0)), Ea on a grid.
+
+    Where the series cannot tell, ``most`` below the lowest mean: from there a fit can make the
+    signal smaller, while one that is 0 has no derivative.
 
     Parameters
     ----------
@@ -235,6 +241,8 @@ def pedestal_guess(
         What the files state; used where the series cannot tell.
     error : ndarray, optional
         DN, of the means.
+    most : float
+        Dark signal of the faintest point at most, DN, see `most_signal`.
     """
     lowest = float(np.min(mean))
     celsius = [25.0 if p.temperature_c is None else p.temperature_c for p in points]
@@ -243,10 +251,26 @@ def pedestal_guess(
     x = activation(np.array(celsius) + KELVIN, 25.0 + KELVIN)
     grown = exposure * np.exp(x)
     if len(points) < 3 or np.ptp(grown) <= 1e-6 * np.max(grown):
-        return min(black_level, lowest) if black_level is not None else lowest - 0.05
+        return min(black_level, lowest) if black_level is not None else lowest - most
     sigma = np.hypot(0.03 * (mean - lowest) + 0.05, error)
     pedestal = over_constant(x, exposure, mean, sigma, DARK_EV).constant
     return min(pedestal, lowest)
+
+
+def most_signal(mean: np.ndarray, temporal: np.ndarray, pattern: np.ndarray) -> float:
+    """The dark signal of the faintest point at most, DN.
+
+    All of its temporal variance, and all of that of its pattern, are then of the charge, whose shot
+    noise is in proportion to the signal, and whose spread over the pixels is to its square:
+    (s + d) / s is the ratio of the variances of the points, or its root, d the difference of the
+    means. `FAINTEST` where no other point is brighter and noisier.
+    """
+    faint, bright = int(np.argmin(mean)), int(np.argmax(mean))
+    rise = float(mean[bright] - mean[faint])
+    ratios = temporal[bright] / temporal[faint], math.sqrt(pattern[bright] / pattern[faint])
+    if not rise > 0 or not min(ratios) > 1.0 + REST:
+        return FAINTEST
+    return max(min(rise / (ratio - 1.0) for ratio in ratios), FAINTEST)
 
 
 def converter_bits(readings: Readings, stated: int | None) -> int:

@@ -306,6 +306,23 @@ class Effect:
         """
         return self.reach
 
+    def amplification(self, point: OperatingPoint, reference: OperatingPoint) -> float:
+        """Factor of its numbers at the gain of an operating point.
+
+        Parameters
+        ----------
+        point : OperatingPoint
+            Where.
+        reference : OperatingPoint
+            Where the model's numbers are stated.
+
+        Returns
+        -------
+        float
+            The analog gain over that of the reference, by default.
+        """
+        return point.gain_over(reference)
+
     def adds(
         self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
     ) -> tuple[float, float] | None:
@@ -333,7 +350,7 @@ class Effect:
         variance = self.variance(point) if offset else None
         if variance is None:
             return None
-        return 0.0, variance * point.gain_over(reference) ** 2
+        return 0.0, variance * self.amplification(point, reference) ** 2
 
     def black_shift(
         self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]

@@ -9,13 +9,14 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
-from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Placing, Site, Stage, choice, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
+from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
 from dnanalyze.model.streams import Stream
 
 
 @dataclass(frozen=True)
-class ColumnFpn(Effect):
+class ColumnFpn(ReadoutEffect):
     """y += c_j + a e^(-j/l) + b e^(-k/m); c_j = rho c_(j-1) + sqrt(1 - rho^2) sigma n_j."""
 
     name: ClassVar[str] = "column_fpn"
@@ -68,6 +69,7 @@ class ColumnFpn(Effect):
         0.0, "DN", -1e4, 1e4, "offset b of the last column, beside an edge of the array", "linear"
     )
     edge_length: float = parameter(50.0, "column", 1.0, 1e4, "columns m over which it falls by e")
+    added: str = choice("before", ADDED, "before", "after")
 
     def inactive_parameters(self) -> tuple[str, ...]:
         """The transients where there are none."""
@@ -76,12 +78,12 @@ class ColumnFpn(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
-        sigma = self.value("sigma", site.point) * site.gain_ratio
+        sigma = self.value("sigma", site.point) * self.amplified(site)
         signal += np.float32(sigma) * self._offsets(site)
         if self.settle != 0.0 or self.edge != 0.0:
             line = self._transients(site.point, site.shape)
             line = line if self.first == "left" else line[::-1]
-            signal += np.float32(site.gain_ratio) * line[site.column_index].astype(np.float32)
+            signal += np.float32(self.amplified(site)) * line[site.column_index].astype(np.float32)
         return signal
 
     def _offsets(self, site: Site) -> np.ndarray:
@@ -96,14 +98,16 @@ class ColumnFpn(Effect):
         self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
     ) -> float:
         """Median of the transients."""
-        return point.gain_over(reference) * float(np.median(self._transients(point, shape)))
+        return self.amplification(point, reference) * float(
+            np.median(self._transients(point, shape))
+        )
 
     def adds(
         self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
     ) -> tuple[float, float]:
         """No charge, and the variance of the columns with their transients."""
         variance = self.variance(point) + float(np.var(self._transients(point, shape)))
-        return 0.0, point.gain_over(reference) ** 2 * variance
+        return 0.0, self.amplification(point, reference) ** 2 * variance
 
     def _transients(self, point: OperatingPoint, shape: tuple[int, int]) -> np.ndarray:
         """Transients of all columns at the reference gain, DN, the column read first at first."""

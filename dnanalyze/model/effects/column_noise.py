@@ -8,12 +8,13 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effect import Effect, Placing, Site, Stage, parameter
+from dnanalyze.model.effect import Placing, Site, Stage, choice, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
+from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
 
 
 @dataclass(frozen=True)
-class ColumnNoise(Effect):
+class ColumnNoise(ReadoutEffect):
     """y += c_j of the frame."""
 
     name: ClassVar[str] = "column_noise"
@@ -38,10 +39,11 @@ class ColumnNoise(Effect):
     }
 
     sigma: float = parameter(0.3, "DN", 1e-4, 1e3, "standard deviation of the column offsets")
+    added: str = choice("before", ADDED, "before", "after")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
-        sigma = self.value("sigma", site.point) * site.gain_ratio
+        sigma = self.value("sigma", site.point) * self.amplified(site)
         signal += np.float32(sigma) * site.columns(site.frame_stream.child("columns"))
         return signal
 

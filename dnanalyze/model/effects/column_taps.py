@@ -10,11 +10,12 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Site, Stage, choice, parameter
+from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
 
 
 @dataclass(frozen=True)
-class ColumnTaps(Effect):
+class ColumnTaps(ReadoutEffect):
     """y += o_t, t = j mod P or one strip of several; the rms over the taps is exact.
 
     Of columns j, or of rows. Strips are equal, or begin where `begins` says; the rms is then over
@@ -78,6 +79,7 @@ class ColumnTaps(Effect):
     )
     length: float = parameter(8.0, "line", 0.3, 1e3, "lines l over which it settles by e")
     side: str = choice("after", "side of an edge that settles", "after", "before", "both")
+    added: str = choice("before", ADDED, "before", "after")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -101,7 +103,7 @@ class ColumnTaps(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offset of its tap to every line."""
-        size = np.float32(self.value("sigma", site.point) * site.gain_ratio)
+        size = np.float32(self.value("sigma", site.point) * self.amplified(site))
         along_rows = self.axis == "rows"
         lines, line = (
             (site.shape[0], site.row_index) if along_rows else (site.shape[1], site.column_index)
@@ -126,7 +128,7 @@ class ColumnTaps(Effect):
             offsets = self._strips(level, lines, point)
         else:
             offsets = _unit(level)
-        size = self.value("sigma", point) * point.gain_over(reference)
+        size = self.value("sigma", point) * self.amplification(point, reference)
         return size * float(np.median(offsets))
 
     def _equal(self, site: Site, lines: int, line: np.ndarray) -> np.ndarray:

@@ -10,11 +10,12 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Site, Stage, choice, parameter
+from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
 
 
 @dataclass(frozen=True)
-class DefectLines(Effect):
+class DefectLines(ReadoutEffect):
     """y += offset on a fixed few lines; their number and the rms of their offsets are exact."""
 
     name: ClassVar[str] = "defect_lines"
@@ -62,6 +63,7 @@ class DefectLines(Effect):
     ends: tuple[float, ...] = choice(
         (), ("pixel after each defective part; if empty, the end of the line")
     )
+    added: str = choice("before", ADDED, "before", "after")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -94,7 +96,7 @@ class DefectLines(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets of the lines in the window."""
-        signal += self.pattern(site, self.value("sigma", site.point) * site.gain_ratio)
+        signal += self.pattern(site, self.value("sigma", site.point) * self.amplified(site))
         return signal
 
     def pattern(self, site: Site, rms: float) -> np.ndarray:

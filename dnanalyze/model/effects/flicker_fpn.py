@@ -9,12 +9,13 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model import pink
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Site, Stage, choice, parameter
 from dnanalyze.model.fingerprints import BANDS, named
+from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
 
 
 @dataclass(frozen=True)
-class FlickerFpn(Effect):
+class FlickerFpn(ReadoutEffect):
     """y += pink field of the silicon, power rho^-alpha, or h times 1 + such a field."""
 
     name: ClassVar[str] = "flicker_fpn"
@@ -58,6 +59,7 @@ class FlickerFpn(Effect):
     rms: float = parameter(0.5, "DN", 1e-4, 1e3, "standard deviation over a frame")
     alpha: float = parameter(1.0, "1", 0.3, 4.0, "exponent of the power spectrum", "linear")
     form: str = choice("added", "an offset, or a share of the dark signal", "added", "scaled")
+    added: str = choice("before", ADDED, "before", "after")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the field."""
@@ -78,7 +80,7 @@ class FlickerFpn(Effect):
                 lambda: np.maximum(1.0 + rms * site.share("field", make)[site.window.slices], 0.0),
             )
             return signal
-        rms *= np.float32(site.gain_ratio)
+        rms *= np.float32(self.amplified(site))
         signal += site.keep("map", lambda: rms * site.share("field", make)[site.window.slices])
         return signal
 

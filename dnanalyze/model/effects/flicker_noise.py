@@ -9,11 +9,12 @@ import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model import pink
-from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
+from dnanalyze.model.effect import Site, Stage, choice, parameter
+from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
 
 
 @dataclass(frozen=True)
-class FlickerNoise(Effect):
+class FlickerNoise(ReadoutEffect):
     """Temporal noise with power f^-alpha, f counted along the raster scan."""
 
     name: ClassVar[str] = "flicker_noise"
@@ -59,6 +60,7 @@ class FlickerNoise(Effect):
         0.0, "c/px", 0.0, 0.5, "frequency f_c along the raster below which it is white", "linear"
     )
     chains: int = choice(1, "chains that read every so many columns, each with its noise", 1, 2, 4)
+    added: str = choice("before", ADDED, "before", "after")
 
     def inactive_parameters(self) -> tuple[str, ...]:
         """A cutoff that is not there."""
@@ -92,7 +94,7 @@ class FlickerNoise(Effect):
                 frame[columns] = made(white[columns], float(levels[chain]))
             return frame
 
-        rms = np.float32(self.value("rms", site.point) * site.gain_ratio)
+        rms = np.float32(self.value("rms", site.point) * self.amplified(site))
         signal += rms * site.share(f"raster {site.frame}", make)[site.window.slices]
         return signal
 

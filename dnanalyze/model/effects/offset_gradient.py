@@ -8,12 +8,13 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Site, Stage, choice, parameter
+from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
 from dnanalyze.model.surface import TERMS, low_order, median_of
 
 
 @dataclass(frozen=True)
-class OffsetGradient(Effect):
+class OffsetGradient(ReadoutEffect):
     """y += a low-order surface in Legendre polynomials of unit rms, in every frame."""
 
     name: ClassVar[str] = "offset_gradient"
@@ -60,6 +61,7 @@ class OffsetGradient(Effect):
     xy: float = parameter(
         0.0, "DN", -1e5, 1e5, "twist of the corners, rms over the field", "linear"
     )
+    added: str = choice("before", ADDED, "before", "after")
 
     def inactive_parameters(self) -> tuple[str, ...]:
         """Terms that are 0 beside others: half a field does not hold them apart."""
@@ -73,14 +75,14 @@ class OffsetGradient(Effect):
 
     def _map(self, site: Site) -> np.ndarray:
         surface = low_order([self.value(name, site.point) for name in TERMS], site)
-        return (site.gain_ratio * surface).astype(np.float32)
+        return (self.amplified(site) * surface).astype(np.float32)
 
     def black_shift(
         self, point: OperatingPoint, reference: OperatingPoint, shape: tuple[int, int]
     ) -> float:
         """Median of the surface; a bowl has more of its area below its mean, or above."""
         terms = [self.value(name, point) for name in TERMS]
-        return point.gain_over(reference) * median_of(terms)
+        return self.amplification(point, reference) * median_of(terms)
 
     def variance(self, point: OperatingPoint) -> float:
         """Over the field, DN^2: the sum of the squares of the coefficients."""

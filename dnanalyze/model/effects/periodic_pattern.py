@@ -13,6 +13,7 @@ from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.clues import MeasuredLines
 from dnanalyze.model.effect import Effect, MeasuredParameter, Site, Stage, choice, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
+from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
 from dnanalyze.model.streams import Stream
 from dnanalyze.model.wave import Wave, strongest_wave
 
@@ -25,7 +26,7 @@ PARTS = {"temporal": "random", "pattern": "fixed"}  # of the spectrum, and the p
 
 
 @dataclass(frozen=True)
-class PeriodicPattern(Effect):
+class PeriodicPattern(ReadoutEffect):
     """y += A sin(2 pi (u x + v y) + phase), and further lines of their own frequency and phase."""
 
     name: ClassVar[str] = "periodic_pattern"
@@ -83,6 +84,7 @@ class PeriodicPattern(Effect):
     linewidth: float = parameter(
         0.0, "cycles/pixel", 0.0, 0.05, "full width of the line at half its power", "linear"
     )
+    added: str = choice("before", ADDED, "before", "after")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -120,7 +122,9 @@ class PeriodicPattern(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the waves; sin(a + b) is made of one sine a column and one a row."""
         stream = site.fixed_stream if self.phase == "fixed" else site.frame_stream
-        amplitude = self.value("amplitude", site.point) * site.gain_ratio
+        amplitude = self.value("amplitude", site.point) * self.amplification(
+            site.point, site.reference
+        )
         first = self.value("u", site.point), self.value("v", site.point), 1.0
         for n, (u, v, relative) in enumerate([first, *self.further]):
             own = stream.child("phase", n) if n else stream.child("phase")

@@ -8,12 +8,13 @@ from typing import ClassVar
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint
-from dnanalyze.model.effect import Effect, Site, Stage, parameter
+from dnanalyze.model.effect import Site, Stage, choice, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
+from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
 
 
 @dataclass(frozen=True)
-class RowFpn(Effect):
+class RowFpn(ReadoutEffect):
     """y += r_i, the same in every frame."""
 
     name: ClassVar[str] = "row_fpn"
@@ -39,10 +40,11 @@ class RowFpn(Effect):
     }
 
     sigma: float = parameter(0.3, "DN", 1e-4, 1e3, "standard deviation of the row offsets")
+    added: str = choice("before", ADDED, "before", "after")
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
-        sigma = self.value("sigma", site.point) * site.gain_ratio
+        sigma = self.value("sigma", site.point) * self.amplified(site)
         signal += np.float32(sigma) * site.rows(site.fixed_stream.child("rows"))[:, None]
         return signal
 

@@ -11,6 +11,7 @@ import numpy as np
 from dnanalyze.loaders.captures import OperatingPoint, Window
 from dnanalyze.model.effect import Effect, Placing, Site, Stage, choice, parameter
 from dnanalyze.model.fingerprints import LINE_BANDS, named
+from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
 from dnanalyze.model.serial import averaged, groups, moving_average
 
 # Forms tried where rows are white and level, and columns alike
@@ -19,7 +20,7 @@ TOGETHER = "1x1", "2x1", "4x1", "8x1", "2x2", "4x2"  # rows of a group x interle
 
 
 @dataclass(frozen=True)
-class RowNoise(Effect):
+class RowNoise(ReadoutEffect):
     """y += r_i of the frame."""
 
     name: ClassVar[str] = "row_noise"
@@ -78,6 +79,7 @@ class RowNoise(Effect):
         "turn: of 4x2 rows 0, 2, 4 and 6 share one, rows 1, 3, 5 and 7 another",
         *TOGETHER,
     )  # fmt: skip
+    added: str = choice("before", ADDED, "before", "after")
 
     def inactive_parameters(self) -> tuple[str, ...]:
         """What is not there: correlations, a sign that alternates, a tilt."""
@@ -96,7 +98,7 @@ class RowNoise(Effect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets."""
-        sigma = self.value("sigma", site.point) * site.gain_ratio
+        sigma = self.value("sigma", site.point) * self.amplified(site)
         share, tilt = self.value("alternating", site.point), self.value("tilt", site.point)
         signal += np.float32(sigma * math.sqrt(1.0 - share)) * self._offsets("rows", site)
         if share:

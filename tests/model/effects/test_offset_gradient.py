@@ -49,7 +49,8 @@ def test_it_is_guessed_from_the_block_means():
     ]
     clues = MadeUpClues((HERE, WARM, LOUD), HERE, (256, 256), stands_out=("shading_0_1",),
                         curves={"block_means": maps})  # fmt: skip
-    (guess,) = OffsetGradient.guess(clues)
+    guess, after = OffsetGradient.guess(clues)
+    assert (guess.added, after.added) == ("before", "after")
     got = [guess.x, guess.y, guess.xx, guess.yy, guess.xy]
     # standard error of a term: 0.05 / 16 on 256 blocks; Legendre polynomials at block centres
     assert got == pytest.approx([3.0, -4.0, 2.0, 0.0, 1.0], abs=0.03)
