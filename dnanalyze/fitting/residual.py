@@ -12,7 +12,7 @@ from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.fitting.line_defects import defects_of, line_defects
 from dnanalyze.fitting.measured_parameters import Measured
 from dnanalyze.fitting.problem import FitProblem
-from dnanalyze.fitting.readings import Readings
+from dnanalyze.fitting.readings import MOSAIC, Readings
 from dnanalyze.fitting.simulated import BLOCKS
 from dnanalyze.fitting.state import State
 from dnanalyze.loaders.captures import OperatingPoint, Window
@@ -81,6 +81,13 @@ class Residual:
     def z(self, name: str) -> np.ndarray:
         """Misfit z, one per setting."""
         return self._over_settings(name, self.state.train)
+
+    def colours(self, name: str) -> np.ndarray:
+        """Values and standard errors of the colours of a mosaic, of the fitted half."""
+        planes = self._readings[0].planes
+        if any(len(p) != MOSAIC**2 or any(name not in c.values for c in p) for p in planes):
+            return np.empty((0, MOSAIC**2, 2))
+        return np.array([[(c.values[name].value, c.values[name].se) for c in p] for p in planes])
 
     def curve(self, name: str, setting: int) -> np.ndarray:
         """A measured curve; means of blocks are of both halves (`area`)."""

@@ -53,6 +53,12 @@ class Clues(MeasuredLines, Protocol):
     def z(self, name: str) -> np.ndarray:
         """(measured - simulated) / floor, one a setting."""
 
+    def colours(self, name: str) -> np.ndarray:
+        """Measured values and standard errors of the colours of a mosaic of 2 x 2, by row.
+
+        (settings, 4, 2); (0, 4, 2) of frames that are analysed as a whole.
+        """
+
     def lines(self, axis: str, setting: int) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the "columns" or "rows" in the full frame, and their mean in the pattern, DN.
 

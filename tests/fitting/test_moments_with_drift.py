@@ -5,7 +5,7 @@ import pytest
 
 from dnanalyze.demo import VirtualSensor, generate
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.moments import Moments, moments, pedestal_guess
+from dnanalyze.fitting.moments import FAINTEST, Moments, moments, most_signal, pedestal_guess
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import FAINT, SEEN, baseline_by_moments
@@ -49,3 +49,20 @@ def test_levels_count_by_their_errors():
         min(100.0, mean.min()), abs=0.1
     )
     assert pedestal_guess(POINTS, 100.0 + DARK_E, None) == pytest.approx(100.0, abs=0.1)
+
+
+def test_two_temperatures_begin_with_the_most_signal_that_the_faintest_may_have():
+    """Charge of 4 and 30 DN: all of the pattern is of it; with other offsets it is less."""
+    signal = np.array([4.0, 30.0])
+    temporal, pattern = 9.0 + signal, (0.4 * signal) ** 2
+    mean = 100.0 + signal
+    assert most_signal(mean, temporal, pattern) == pytest.approx(4.0)
+    assert most_signal(mean, temporal, pattern + 4.0) > 4.0
+    points = [OperatingPoint(t, 0.5) for t in (10.0, 30.0)]
+    assert pedestal_guess(points, mean, None, 0.01, 4.0) == pytest.approx(100.0)
+    assert pedestal_guess(points, mean, 101.0, 0.01, 4.0) == 101.0
+
+
+def test_points_that_are_no_noisier_tell_nothing_of_the_signal():
+    flat = np.array([2.0, 2.0])
+    assert most_signal(np.array([100.0, 101.0]), flat, flat) == FAINTEST

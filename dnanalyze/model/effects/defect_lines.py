@@ -10,12 +10,11 @@ import numpy as np
 
 from dnanalyze.errors import InputError
 from dnanalyze.loaders.captures import OperatingPoint, Window
-from dnanalyze.model.effect import Site, Stage, choice, parameter
-from dnanalyze.model.readout_effect import ADDED, ReadoutEffect
+from dnanalyze.model.effect import Effect, Site, Stage, choice, parameter
 
 
 @dataclass(frozen=True)
-class DefectLines(ReadoutEffect):
+class DefectLines(Effect):
     """y += offset on a fixed few lines; their number and the rms of their offsets are exact."""
 
     name: ClassVar[str] = "defect_lines"
@@ -63,7 +62,6 @@ class DefectLines(ReadoutEffect):
     ends: tuple[float, ...] = choice(
         (), ("pixel after each defective part; if empty, the end of the line")
     )
-    added: str = choice("before", ADDED, "before", "after")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -96,7 +94,7 @@ class DefectLines(ReadoutEffect):
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the offsets of the lines in the window."""
-        signal += self.pattern(site, self.value("sigma", site.point) * self.amplified(site))
+        signal += self.pattern(site, self.value("sigma", site.point) * site.gain_ratio)
         return signal
 
     def pattern(self, site: Site, rms: float) -> np.ndarray:

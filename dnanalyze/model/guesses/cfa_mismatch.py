@@ -9,8 +9,10 @@ import numpy as np
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.cfa_mismatch import CfaMismatch
+from dnanalyze.model.guesses import hints
 from dnanalyze.model.guesses.evidence import shows, strongest, typical_positive
 from dnanalyze.model.guesses.line_profile import line_profile
+from dnanalyze.significance import CLEAR
 
 _ALIKE = 0.05  # of the largest: colours whose offsets cancel better in a line are a coincidence
 _MODES = (("u", "10"), ("v", "01"), ("uv", "11"))
@@ -20,8 +22,11 @@ def guess(effect: type[CfaMismatch], clues: Clues) -> list[Effect]:
     """Sizes from the three lines, whose power is b^2 times the pixels.
 
     The signs of u and v from the levels of odd and even columns and rows; that of uv does not
-    show before it is tried.
+    show before it is tried. Of colours that are analysed apart, from their levels.
     """
+    levels = clues.colours("median")
+    if len(levels):
+        return _of_colours(effect, clues, levels)
     lines = {name: f"pattern_nyquist_{k}" for name, k in _MODES}
     ratios = {n: clues.measured(line) for n, line in lines.items()}
     clear = strongest(clues, list(lines.values())) or 0
@@ -36,6 +41,18 @@ def guess(effect: type[CfaMismatch], clues: Clues) -> list[Effect]:
         power = typical_positive(ratio * floor) if seen[name] else 0.0
         sizes[name] = _sign(clues, name) * math.sqrt(power / pixels)
     return [effect.within(**sizes)]
+
+
+def _of_colours(effect: type[CfaMismatch], clues: Clues, levels: np.ndarray) -> list[Effect]:
+    """Contrasts of the levels of four colours; the settings weighted by their errors."""
+    signs = np.array([[1, -1, 1, -1], [1, 1, -1, -1], [1, -1, -1, 1]]) / 4.0
+    contrasts = levels[..., 0] @ signs.T / hints.gains(clues)[:, None]
+    errors = np.sqrt(np.sum(levels[..., 1] ** 2, axis=1)) / 4.0 / hints.gains(clues)
+    weights = np.maximum(errors, 1e-9) ** -2.0
+    sizes = weights @ contrasts / weights.sum()
+    if not (np.abs(sizes) > CLEAR * weights.sum() ** -0.5).any():
+        return []
+    return [effect.within(**dict(zip(("u", "v", "uv"), sizes.tolist(), strict=True)))]
 
 
 def _sign(clues: Clues, name: str) -> float:

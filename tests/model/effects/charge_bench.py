@@ -85,6 +85,9 @@ class MadeUpClues:
     def z(self, name: str) -> np.ndarray:
         return self._all(10.0 if name in self.stands_out else 0.0)
 
+    def colours(self, name: str) -> np.ndarray:
+        return self.seen.get(f"colours {name}", np.empty((0, 4, 2)))
+
     def lines(self, axis: str, setting: int) -> tuple[np.ndarray, np.ndarray]:
         return np.empty(0, int), np.empty(0)
 

@@ -87,6 +87,9 @@ class Given:
     def waves(self, part):
         return self.spectral.get(part, [])
 
+    def colours(self, name):
+        return np.array(self.seen.get(f"colours {name}", np.empty((0, 4, 2))), float)
+
     def defects(self, axis):
         return np.array(self.standing_out.get(axis, []), float).reshape(-1, 4)
 

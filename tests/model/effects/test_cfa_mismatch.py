@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from readout_bench import POINT, Given, added, frames
@@ -60,3 +62,16 @@ def test_guess_takes_the_signs_of_u_and_v_from_the_lines_and_leaves_that_of_uv_t
     assert effect.u < 0 < effect.v
     (other,) = effect.relatives()
     assert (other.u, other.v, other.uv) == (effect.u, effect.v, -effect.uv)
+
+
+def test_colours_that_are_analysed_apart_tell_it_by_their_levels():
+    """Of two exposures and gains; offsets within their errors are none."""
+    offsets = np.array([0.2, 0.9, -0.6, 0.1])
+    points = (POINT, replace(POINT, gain=2.0 * POINT.gain))
+    levels = np.array([[(100.0 + g * o, 0.01) for o in offsets] for g in (1.0, 2.0)])
+    (effect,) = CfaMismatch.guess(Given(points=points, seen={"colours median": levels}))
+    u, v, uv = effect.u, effect.v, effect.uv
+    made = [u + v + uv, -u + v - uv, u - v - uv, -u - v + uv]
+    assert made == pytest.approx(list(offsets - offsets.mean()), abs=1e-6)
+    levels[..., 1] = 1.0
+    assert CfaMismatch.guess(Given(points=points, seen={"colours median": levels})) == []

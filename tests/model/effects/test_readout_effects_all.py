@@ -105,6 +105,9 @@ def test_no_guess_where_nothing_is_unexplained(name):
         def z(self, name):
             return np.array([0.5])
 
+        def colours(self, name):
+            return np.empty((0, 4, 2))
+
         def defects(self, axis):
             return np.empty((0, 4))
 
