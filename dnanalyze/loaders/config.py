@@ -104,6 +104,15 @@ class Config(BaseModel):
     region: Literal["active", "masked", "all"] | None = None
     image_type: Literal["dark"] | None = None
 
+    @field_validator("cfa", mode="before")
+    @classmethod
+    def _in_one(cls, value: Any) -> Any:
+        """Rows, such as [RG, GB] or [[R, G], [G, B]], as one text."""
+        if not isinstance(value, (list, tuple)):
+            return value
+        rows = [row if isinstance(row, (list, tuple)) else [row] for row in value]
+        return "".join(str(letter) for row in rows for letter in row)
+
     @field_validator("cfa")
     @classmethod
     def _square(cls, value: str | None) -> str | None:

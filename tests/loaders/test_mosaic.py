@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+import yaml
 
 import dnanalyze
+from dnanalyze.errors import InputError
 from dnanalyze.loaders import load, planes
+from dnanalyze.loaders.config import checked_config
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 
@@ -52,3 +55,15 @@ def test_a_simulation_like_a_large_mosaic_keeps_it(tmp_path, cfa):
     assert [s.plane for s in found] == ["00", "01", "10", "11"]
     for setting in found:
         assert setting.values["temporal_noise"].value == pytest.approx(4.0, rel=0.05)
+
+
+@pytest.mark.parametrize("cfa", ["[RG, GB]", "[[R, G], [G, B]]", "rggb"])
+def test_a_colour_filter_is_a_word_or_rows(cfa):
+    config = checked_config({"cfa": yaml.safe_load(cfa)}, "sidecar")
+    assert config.colour_filter() == (("R", "G"), ("G", "B"))
+
+
+@pytest.mark.parametrize("cfa", ["[R, G]", "[[1, 2], [3, 4]]", "5"])
+def test_what_is_no_colour_filter_is_refused(cfa):
+    with pytest.raises(InputError, match="sidecar: cfa: "):
+        checked_config({"cfa": yaml.safe_load(cfa)}, "sidecar")
