@@ -71,8 +71,9 @@ def test_names_of_an_unfinished_search_far_from_the_captures_are_less_certain(
 def test_what_is_known_directly_is_stated_without_time_too(captures):
     known = replace(captures, sensor=replace(captures.sensor, system_gain_dn_e=0.5))
     begun = baseline_model(fit_problem(design(known)))
-    (gain,) = refine_on(known, begun, budget=NONE).direct
-    assert (gain.quantity, gain.direct) == ("system gain, recorded", 0.5)
+    found = {a.quantity: a for a in refine_on(known, begun, budget=NONE).direct}
+    gain = found["system gain, recorded"]
+    assert gain.direct == 0.5
     assert gain.model == begun.get("dark_shot_noise").value("dn_per_e", begun.reference)
 
 

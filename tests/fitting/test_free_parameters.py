@@ -90,7 +90,7 @@ def test_a_length_at_its_lower_bound_stays_free():
 @pytest.mark.parametrize(
     ("effect", "held"),
     [
-        ("periodic_pattern", {"u", "v", "phase", "more", "linewidth"}),
+        ("periodic_pattern", {"u", "v", "phase", "more", "linewidth", "added"}),
         ("stuck_pixels", {"code", "codes", "columns", "rows"}),
         ("digital_gain", {"gain", "offset", "top"}),
         ("black_clipping", {"level"}),
