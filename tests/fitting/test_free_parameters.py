@@ -106,6 +106,7 @@ def test_a_length_at_its_lower_bound_stays_free():
                 "settle",
                 "length",
                 "side",
+                "added",
             },
         ),
         ("missing_codes", {"kind", "period", "widths"}),
