@@ -34,6 +34,7 @@ from dnanalyze.fitting.moments import (
     moments,
     serial_correlation,
     shared_pixels,
+    with_faint,
 )
 from dnanalyze.fitting.problem import FitProblem, problem_of
 from dnanalyze.fitting.readings import Readings
@@ -319,8 +320,13 @@ def baseline_model(problem: FitProblem, beside: Effect | None = None) -> NoiseMo
     gain = next((k.value for k in known if k.source == TRANSFER), None)
     if beside is not None:
         found = less(found, beside, problem.plan.shape)
-    made = baseline_by_moments(found, converter_bits(seen, sensor.bits), read, gain)
-    return replace(made, unit=problem.plan.unit)
+    bits = converter_bits(seen, sensor.bits)
+    models = [baseline_by_moments(m, bits, read, gain) for m in with_faint(found)]
+    if len(models) > 1:
+        part = problem.part or problem
+        losses = [loss(part.train.z(z), part.train.weight) for z in part.several(models)]
+        models = [models[int(np.argmin(losses))]]
+    return replace(models[0], unit=problem.plan.unit)
 
 
 def at_a_glance(problem: FitProblem) -> Moments:

@@ -245,16 +245,36 @@ def pedestal_guess(
         Dark signal of the faintest point at most, DN, see `most_signal`.
     """
     lowest = float(np.min(mean))
+    series = _series(points)
+    if series is None:
+        return min(black_level, lowest) if black_level is not None else lowest - most
+    x, exposure = series
+    sigma = np.hypot(0.03 * (mean - lowest) + 0.05, error)
+    pedestal = over_constant(x, exposure, mean, sigma, DARK_EV).constant
+    return min(pedestal, lowest)
+
+
+def _series(points: list[OperatingPoint]) -> tuple[np.ndarray, np.ndarray] | None:
+    """How the dark signal goes with temperature and exposure; None where that tells no level."""
     celsius = [25.0 if p.temperature_c is None else p.temperature_c for p in points]
     exposure = np.array([1.0 if p.exposure_s is None else p.exposure_s for p in points])
     exposure = exposure * [p.gain_over(points[0]) for p in points]  # of the charge, in DN
     x = activation(np.array(celsius) + KELVIN, 25.0 + KELVIN)
     grown = exposure * np.exp(x)
-    if len(points) < 3 or np.ptp(grown) <= 1e-6 * np.max(grown):
-        return min(black_level, lowest) if black_level is not None else lowest - most
-    sigma = np.hypot(0.03 * (mean - lowest) + 0.05, error)
-    pedestal = over_constant(x, exposure, mean, sigma, DARK_EV).constant
-    return min(pedestal, lowest)
+    alike = len(points) < 3 or np.ptp(grown) <= 1e-6 * np.max(grown)
+    return None if alike else (x, exposure)
+
+
+def with_faint(m: Moments) -> list[Moments]:
+    """The moments and, where no series tells the black level, those of the least dark signal.
+
+    Fixed patterns, such as strong row offsets, make the most that the faintest point may have far
+    too large.
+    """
+    signal = m.signal - float(np.min(m.signal)) + FAINTEST
+    if m.black is not None or not np.min(m.signal) > FAINTEST or _series(m.points) is not None:
+        return [m]
+    return [m, replace(m, pedestal=float(m.pedestal + np.min(m.signal) - FAINTEST), signal=signal)]
 
 
 def most_signal(mean: np.ndarray, temporal: np.ndarray, pattern: np.ndarray) -> float:

@@ -5,7 +5,14 @@ import pytest
 
 from dnanalyze.demo import VirtualSensor, generate
 from dnanalyze.fitting.design import design
-from dnanalyze.fitting.moments import FAINTEST, Moments, moments, most_signal, pedestal_guess
+from dnanalyze.fitting.moments import (
+    FAINTEST,
+    Moments,
+    moments,
+    most_signal,
+    pedestal_guess,
+    with_faint,
+)
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.readings import Readings
 from dnanalyze.fitting.start import FAINT, SEEN, baseline_by_moments
@@ -66,3 +73,18 @@ def test_two_temperatures_begin_with_the_most_signal_that_the_faintest_may_have(
 def test_points_that_are_no_noisier_tell_nothing_of_the_signal():
     flat = np.array([2.0, 2.0])
     assert most_signal(np.array([100.0, 101.0]), flat, flat) == FAINTEST
+
+
+def test_two_points_have_a_second_begin_with_the_least_signal():
+    """A series of three tells the black level, and has one."""
+
+    def made(count: int) -> Moments:
+        points = [OperatingPoint(t, 0.5) for t in (10.0, 30.0, 50.0)[:count]]
+        signal = np.array([4.0, 30.0, 200.0])[:count]
+        return Moments(points, 100.0, signal, 9.0 + signal, signal**2)
+
+    most, least = with_faint(made(2))
+    assert least.pedestal == pytest.approx(104.0 - FAINTEST)
+    assert least.signal == pytest.approx([FAINTEST, 26.0 + FAINTEST])
+    assert most.pedestal + most.signal == pytest.approx(least.pedestal + least.signal)
+    assert len(with_faint(made(3))) == 1
