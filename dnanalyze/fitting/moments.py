@@ -97,8 +97,7 @@ def moments(readings: Readings, black_level: float | None, black: Law | None = N
     error = readings.error("mean")
     most = most_signal(mean, temporal, pattern)
     pedestal = pedestal_guess(readings.points, mean, black_level, error, most)
-    least = 0.01 * np.sqrt(np.nanmin(temporal + pattern)) + 1e-3
-    signal = np.maximum(mean - pedestal, least)
+    signal = np.maximum(mean - pedestal, _least_signal(temporal + pattern))
     return Moments(readings.points, pedestal, signal, temporal, pattern, black)
 
 
@@ -254,6 +253,11 @@ def pedestal_guess(
     return min(pedestal, lowest)
 
 
+def _least_signal(variance: np.ndarray) -> float:
+    """Of a dark signal that a fit begins with, DN: of less there are no derivatives."""
+    return 0.01 * math.sqrt(np.nanmin(variance)) + 1e-3
+
+
 def _series(points: list[OperatingPoint]) -> tuple[np.ndarray, np.ndarray] | None:
     """How the dark signal goes with temperature and exposure; None where that tells no level."""
     celsius = [25.0 if p.temperature_c is None else p.temperature_c for p in points]
@@ -271,10 +275,11 @@ def with_faint(m: Moments) -> list[Moments]:
     Fixed patterns, such as strong row offsets, make the most that the faintest point may have far
     too large.
     """
-    signal = m.signal - float(np.min(m.signal)) + FAINTEST
-    if m.black is not None or not np.min(m.signal) > FAINTEST or _series(m.points) is not None:
+    faint, least = float(np.min(m.signal)), _least_signal(m.total)
+    if m.black is not None or not faint > max(least, FAINTEST) or _series(m.points) is not None:
         return [m]
-    return [m, replace(m, pedestal=float(m.pedestal + np.min(m.signal) - FAINTEST), signal=signal)]
+    shift = faint - FAINTEST
+    return [m, replace(m, pedestal=m.pedestal + shift, signal=np.maximum(m.signal - shift, least))]
 
 
 def most_signal(mean: np.ndarray, temporal: np.ndarray, pattern: np.ndarray) -> float:
