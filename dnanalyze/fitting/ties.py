@@ -189,11 +189,11 @@ def _agree(one: Known, other: Known) -> bool:
 
 
 def _mean(found: Sequence[Known]) -> Known:
-    """Weighted mean of gains of one source, good to `GAIN_TOLERANCE` at best."""
+    """Weighted mean of gains, good to `GAIN_TOLERANCE`, or half of their range, at best."""
     value, error = np.array([(k.value, k.error) for k in found]).T
     mean = float(np.average(value, weights=error**-2.0))
-    sd = max(float(np.sum(error**-2.0) ** -0.5), GAIN_TOLERANCE * mean)
-    return Known(mean, sd, found[0].source)
+    least = max(GAIN_TOLERANCE * mean, float(np.ptp(value)) / 2)
+    return Known(mean, max(float(np.sum(error**-2.0) ** -0.5), least), found[0].source)
 
 
 def digital_gain(model: NoiseModel) -> float:
@@ -208,7 +208,7 @@ def direct(statistics: Statistics) -> Direct:
     Parameters
     ----------
     statistics : Statistics
-        The level and time families at least, with errors.
+        The level, time and neighbours families at least, with errors.
     """
     seen = Readings(statistics)
     level = black_level(seen.points, seen.value("median"), seen.error("median"))
@@ -217,14 +217,13 @@ def direct(statistics: Statistics) -> Direct:
     for setting in dict.fromkeys(g.gain for g in groups):
         own = [g.quantities for g in groups if g.gain == setting]
         found = [q[kinds.TRANSFER.key] for q in own if kinds.TRANSFER.key in q]
-        transfers = [(q.value, q.se) for q in found if q.value is not None and q.se is not None]
+        transfers = [
+            Known(q.value, q.se, TRANSFER)
+            for q in found
+            if q.value is not None and q.se is not None
+        ]
         if transfers and len(transfers) == len(found):
-            value, se = np.array(transfers).T
-            mean = float(np.average(value, weights=se**-2.0))
-            error = max(
-                float(np.sum(se**-2.0) ** -0.5), float(np.ptp(value)) / 2, GAIN_TOLERANCE * mean
-            )
-            gains.append((setting, Known(mean, error, TRANSFER)))
+            gains.append((setting, _mean(transfers)))
         recorded = own[0][kinds.GAIN.key].value if kinds.GAIN.key in own[0] else None
         if recorded is not None:
             gains.append((setting, Known(recorded, RECORDED * recorded, "recorded")))

@@ -155,6 +155,26 @@ def _residual_row(x, shift, by_column, cut, out):
         out[j] = min(max(x[j], -cut), cut) - shift - by_column[j]
 
 
+@njit(nogil=True, inline="always")
+def _add_products(buffer, i, sums):
+    """Those of row i at the `LAGS`; ``buffer`` holds it and the two rows after it in turn."""
+    columns = sums.shape[1]
+    half = np.float32(0.5)
+    here, next_row = buffer[i % 3], buffer[(i + 1) % 3]
+    a, a1, a2 = here[:columns], here[1 : columns + 1], here[2:]
+    b, b1 = next_row[:columns], next_row[1 : columns + 1]
+    c = buffer[(i + 2) % 3, :columns]
+    s00, s10, s01, s11, s20, s02 = sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]
+    for j in range(columns):
+        y = a[j]
+        s00[j] += y * y
+        s10[j] += y * a1[j]
+        s20[j] += y * a2[j]
+        s01[j] += y * b[j]
+        s02[j] += y * c[j]
+        s11[j] += half * (y * b1[j] + a1[j] * b[j])
+
+
 @njit(cache=True, nogil=True)
 def lag_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
     """Sums of products at the `LAGS` of ``x`` cut to +-reach, less its row and column means.
@@ -169,9 +189,7 @@ def lag_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
     for i in range(ahead):
         _residual_row(x[i], by_row[i] - middle, by_column, cut, buffer[i])
     zero = np.float32(0.0)
-    half = np.float32(0.5)
     sums = np.empty((6, columns), np.float32)
-    s00, s10, s01, s11, s20, s02 = sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]
     for r in range(row_edges.size - 1):
         sums[:] = zero
         for i in range(row_edges[r], row_edges[r + 1]):
@@ -179,18 +197,7 @@ def lag_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
                 _residual_row(x[i + 2], by_row[i + 2] - middle, by_column, cut, buffer[(i + 2) % 3])
             else:
                 buffer[(i + 2) % 3, :] = zero
-            here, next_row = buffer[i % 3], buffer[(i + 1) % 3]
-            a, a1, a2 = here[:columns], here[1 : columns + 1], here[2:]
-            b, b1 = next_row[:columns], next_row[1 : columns + 1]
-            c = buffer[(i + 2) % 3, :columns]
-            for j in range(columns):
-                y = a[j]
-                s00[j] += y * y
-                s10[j] += y * a1[j]
-                s20[j] += y * a2[j]
-                s01[j] += y * b[j]
-                s02[j] += y * c[j]
-                s11[j] += half * (y * b1[j] + a1[j] * b[j])
+            _add_products(buffer, i, sums)
         _into_bands(sums, column_edges, 0, out[r])
 
 
@@ -200,13 +207,10 @@ def inner_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
     rows, columns = x.shape
     cut = np.float32(reach)
     middle = np.float32(by_row.mean())
-    zero, half, one = np.float32(0.0), np.float32(0.5), np.float32(1.0)
+    zero, one = np.float32(0.0), np.float32(1.0)
     buffer = np.zeros((3, columns + 2), np.float32)
     inside = np.zeros((3, columns), np.float32)
     sums = np.empty((7, columns), np.float32)
-    s00, s10, s01, s11, s20, s02, pixels = (
-        sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6]
-    )  # fmt: skip
     for r in range(row_edges.size - 1):
         sums[:] = zero
         for i in range(row_edges[r], row_edges[r + 1]):
@@ -220,19 +224,10 @@ def inner_sums(x, reach, by_row, by_column, row_edges, column_edges, out):
                 for j in range(columns):
                     kept[j] = one if abs(line[j]) <= cut else zero
                     made[j] = kept[j] * (line[j] - shift - by_column[j])
-            here, next_row, counted = buffer[i % 3], buffer[(i + 1) % 3], inside[i % 3]
-            a, a1, a2 = here[:columns], here[1 : columns + 1], here[2:]
-            b, b1 = next_row[:columns], next_row[1 : columns + 1]
-            c = buffer[(i + 2) % 3, :columns]
+            counted = inside[i % 3]
+            _add_products(buffer, i, sums)
             for j in range(columns):
-                y = a[j]
-                s00[j] += y * y
-                s10[j] += y * a1[j]
-                s20[j] += y * a2[j]
-                s01[j] += y * b[j]
-                s02[j] += y * c[j]
-                s11[j] += half * (y * b1[j] + a1[j] * b[j])
-                pixels[j] += counted[j]
+                sums[6, j] += counted[j]
         _into_bands(sums, column_edges, 0, out[r])
 
 
