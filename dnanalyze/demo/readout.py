@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.signal import lfilter
 
 from dnanalyze.demo.hidden import HiddenEffect, Moment, Scene, Step, of_noise
 from dnanalyze.demo.sensor import WHITE_DN, VirtualSensor
@@ -104,6 +105,28 @@ def _flicker_noise(scene: Scene, rng: Generator, e: float, alpha: float) -> Step
         white = np.fft.rfft(now.rng.standard_normal(length))
         scan = np.fft.irfft(white * amplitude, n=length)
         return y + scan[:pixels].reshape(scene.shape)
+
+    return Step("line", apply)
+
+
+def _serial_draw(sensor: VirtualSensor, amount: float, rng: Generator) -> Plain:
+    radius, turn = rng.uniform(0.6, 0.9), rng.uniform(0.0, 0.9)
+    return of_noise(sensor, amount, rng) | {"radius": float(radius), "turn": float(turn)}
+
+
+def _serial_noise(scene: Scene, rng: Generator, e: float, radius: float, turn: float) -> Step:
+    """Each row an autoregressive process of second order, new in each frame.
+
+    Its poles lie at ``radius`` e^(+-i pi ``turn``); variance ``e``^2 once it has settled.
+    """
+    settled = 128
+    first, second = 2.0 * radius * np.cos(np.pi * turn), -(radius**2)
+    rest = (1.0 + second) * (1.0 - second - first) * (1.0 - second + first) / (1.0 - second)
+
+    def apply(y: np.ndarray, now: Moment) -> np.ndarray:
+        white = now.rng.standard_normal((scene.shape[0], scene.shape[1] + settled))
+        x = lfilter([1.0], [1.0, -first, -second], white, axis=1)
+        return y + e * np.sqrt(rest) * x[:, settled:]
 
     return Step("line", apply)
 
@@ -229,6 +252,7 @@ READOUT = (
     HiddenEffect("column_noise", (0.1, 0.25, 0.6), _OVER_NOISE, of_noise, _column_noise),
     HiddenEffect("flicker_fpn", (0.15, 0.4, 1.0), _OVER_NOISE, _flicker_draw, _flicker_fpn),
     HiddenEffect("flicker_noise", (0.15, 0.35, 0.8), _OVER_NOISE, _flicker_draw, _flicker_noise),
+    HiddenEffect("serial_noise", (0.15, 0.35, 0.8), _OVER_NOISE, _serial_draw, _serial_noise),
     HiddenEffect("heavy_tailed_read_noise", (0.5, 1.5, 5.0), "excess kurtosis of the read noise",
                  _heavy_draw, _heavy_tailed_read_noise),
     HiddenEffect("periodic_pattern", (0.1, 0.3, 0.8), "amplitude over the noise",

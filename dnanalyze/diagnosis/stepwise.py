@@ -256,11 +256,11 @@ class Search:
             null = FittedModel.of(self.problem, path.state)
             path = self._tested(path, null)
             best = path.best
-            if best is None and not path.converged:
-                path = self._converged(path)
+            if not path.converged and (best is None or not beyond_doubt(best, path.tried)):
+                path = self._at_its_optimum(path)
                 if not FittedModel.of(self.problem, path.state).adequate:
                     continue  # what is left may be another effect
-                return path
+                return replace(path, tried=(), best=None)
             if best is None and not null.adequate:
                 added = self._added(path.state)
                 found = swapped(self.problem, path.state, added, self._open(path), self.on_progress)
@@ -274,6 +274,14 @@ class Search:
                 return self._converged(path)
             path = self._with(path, null, best, path.error)
         return self._converged(replace(path, tried=(), best=None))
+
+    def _at_its_optimum(self, path: Path) -> Path:
+        """`_converged`; the candidates so far are the first to be tested beside it.
+
+        A refit with a candidate moves all parameters, and gains by it what the model without the
+        candidate had left to gain.
+        """
+        return self._converged(replace(path, open=tuple(t.effect for t in path.tried)))
 
     def _exchanged(self, path: Path, gone: str, null: FittedModel, best: Trial) -> Path | None:
         """One effect in the place of another; None where the model error would rise.

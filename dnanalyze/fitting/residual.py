@@ -96,6 +96,15 @@ class Residual:
             return np.concatenate([upper, lower])
         return upper
 
+    @cached_property
+    def _simulated(self) -> Readings:
+        """Statistics of the model, of the fitted half, with their curves."""
+        return Readings(self.problem.statistics(self.state.model, half=0)[0])
+
+    def modelled_curve(self, name: str, setting: int) -> np.ndarray:
+        """A curve of the model, of the fitted half; empty where it has none."""
+        return self._simulated.curve(name, setting)
+
     def lines(self, axis: str, setting: int) -> tuple[np.ndarray, np.ndarray]:
         """Rows of both halves one after the other; columns as their mean over both."""
         plan = self.problem.plan

@@ -74,3 +74,6 @@ class Clues(MeasuredLines, Protocol):
 
     def curve(self, name: str, setting: int) -> np.ndarray:
         """A measured curve or map by name (histogram, line profile, block means, ...)."""
+
+    def modelled_curve(self, name: str, setting: int) -> np.ndarray:
+        """The same of a simulated sensor; empty where it has none."""

@@ -83,6 +83,20 @@ def test_flicker_noise_runs_along_the_scan():
     assert low / high == pytest.approx(10.0, rel=0.2)
 
 
+def test_rows_of_serial_noise_are_autoregressive_and_independent():
+    d = added({"serial_noise": {"e": 3.0, "radius": 0.8, "turn": 0.3}}, frames=8)
+    first, second = 2 * 0.8 * np.cos(0.3 * np.pi), -(0.8**2)
+    wanted = [1.0, first / (1 - second)]
+    for _ in range(3):
+        wanted.append(first * wanted[-1] + second * wanted[-2])
+    # of this process a lag is known to about sqrt(sum of r^2 / n), 1.7 / sqrt(n)
+    tolerance = 5 * 1.7 / np.sqrt(d.size)
+    assert d.var() == pytest.approx(9.0 + ROUNDING_E2, rel=2 * tolerance)
+    found = [np.mean(d[:, :, k:] * d[:, :, : d.shape[2] - k]) / 9.0 for k in range(1, 5)]
+    assert found == pytest.approx(wanted[1:], abs=tolerance)
+    assert np.mean(d[:, 1:] * d[:, :-1]) / 9.0 == pytest.approx(0.0, abs=tolerance)
+
+
 def test_heavy_tails_keep_the_variance():
     x = stack({"heavy_tailed_read_noise": {"excess_kurtosis": 1.0}}, frames=2)
     bare = stack(None, frames=2)

@@ -16,7 +16,7 @@ hot_pixels, hot_clusters, dark_current_steps, rts, amp_glow, dark_gradient, cosm
 persistence, crosstalk, column_fpn, column_gain, row_fpn, row_noise, column_noise, flicker_fpn,
 flicker_noise, heavy_tailed_read_noise, periodic_pattern, offset_drift, cfa_mismatch, column_taps,
 stuck_pixels, defect_lines, missing_codes, digital_gain, black_clipping, dpc, denoise,
-temporal_denoise, storage_dark_current, dark_current_fpn"""
+temporal_denoise, storage_dark_current, dark_current_fpn, serial_noise"""
 
 
 def test_shares_no_code_with_the_model():

@@ -153,6 +153,34 @@ def test_a_refused_effect_is_open_again_once_another_is_in_the_model(problem):
     assert "row_noise" in search._open(path)
 
 
+def test_an_effect_that_is_not_beyond_doubt_is_compared_with_the_model_at_its_optimum(
+    problem, null, monkeypatch
+):
+    """A refit with it moves all parameters, and gains what these had left to gain."""
+    state = fitted(problem, RowFpn(1.0))
+    noise = state.model.get("read_noise")
+    begun = start(problem, state.model.with_effect(replace(noise, sigma=0.95 * noise.sigma)))
+    found = replace(trial(null, 2.0 * EVIDENCE_ODDS_10), effect="row_noise")
+    compared = []
+
+    def chosen(beside, known, *_, **__):
+        compared.append((beside.state.model.get("read_noise").sigma, set(known)))
+        return ([found], found) if len(compared) == 1 else ([], None)
+
+    monkeypatch.setattr("dnanalyze.diagnosis.stepwise.choose", chosen)
+    steps = (Step(None, 99.0), Step("row_fpn", error_of(problem, begun)))
+    known = {n: built_in()[n] for n in ("row_noise", "column_noise")}
+    limits = SearchLimits(until_error=0.0)
+    path = Search(problem, known, limits=limits)._searched(Path(begun, steps, converged=False))
+    assert [s.added for s in path.steps] == [None, "row_fpn"]
+    assert path.converged
+    assert path.best is None
+    assert compared[0] == (pytest.approx(0.95 * noise.sigma), set(known))
+    if len(compared) > 1:  # at its optimum the model is not adequate
+        assert compared[1] == (pytest.approx(noise.sigma, rel=0.02), {"row_noise"})
+    assert path.state.model.get("read_noise").sigma == pytest.approx(noise.sigma, rel=0.02)
+
+
 def test_an_effect_that_raises_the_error_is_not_taken(problem):
     begun = Path(fitted(problem), (Step(None, 1e-3),))
     path = Search(problem, {"row_fpn": RowFpn})._searched(begun)

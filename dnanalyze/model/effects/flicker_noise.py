@@ -49,6 +49,7 @@ class FlickerNoise(ReadoutEffect):
     confused_with: ClassVar[dict[str, str]] = {
         "row_noise": "rows are independent of each other, and pixels within a row are white",
         "flicker_fpn": "the same in every frame, and as smooth across rows as along them",
+        "serial_noise": "rows are independent of each other, whatever the spectrum along them",
         "offset_drift": "whole frames move, nothing within a frame",
         "dark_gradient": "fixed, grows with exposure",
     }

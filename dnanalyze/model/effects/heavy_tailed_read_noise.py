@@ -19,8 +19,13 @@ from dnanalyze.model.effect import (
     choice,
     parameter,
 )
+from dnanalyze.significance import CLEAR
 
 QUARTILE = 0.6744898  # of the standard normal distribution
+FAR, FAR_NORMAL = 0.999, 3.090232  # a quantile in the tail, and that of the normal distribution
+# Its relative standard error of n normal deviates, times sqrt(n): sqrt(p (1 - p)) / (density x
+# quantile)
+FAR_ERROR = 3.04
 
 
 @dataclass(frozen=True)
@@ -84,6 +89,16 @@ class HeavyTailedReadNoise(Effect):
     def inactive_parameters(self) -> tuple[str, ...]:
         """The number of the other distribution."""
         return ("tail",) if self.form == "student" else ("freedom",)
+
+    def shows_in(self, frames: int, pixels: int) -> bool:
+        """Whether so many deviates tell its tails from those of Gaussian noise."""
+        if not isinstance(self.tail, float) or not isinstance(self.freedom, float):
+            return True
+        if self.form == "student":
+            far = student_quantile(FAR, self.freedom) / student_scale(self.freedom)
+        else:
+            far = tukey_quantile(FAR, self.tail) / robust_scale(self.tail)
+        return abs(far / FAR_NORMAL - 1.0) > CLEAR * FAR_ERROR / math.sqrt(frames * pixels)
 
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Add the noise: a Gaussian field bent into shape, so it moves smoothly with its tail."""
@@ -173,11 +188,16 @@ def _student_table(nu: float) -> tuple[np.ndarray, np.ndarray]:
     return y, -np.log(beyond / beyond[0] / 2.0)
 
 
+def tukey_quantile(p: float, tail: float) -> float:
+    """Quantile of the Tukey-lambda distribution."""
+    if abs(tail) < 1e-4:
+        return math.log(p / (1.0 - p))
+    return (p**tail - (1.0 - p) ** tail) / tail
+
+
 def robust_scale(tail: float) -> float:
     """Quartile of the Tukey-lambda distribution over that of the standard normal."""
-    if abs(tail) < 1e-4:
-        return math.log(3.0) / QUARTILE
-    return (0.75**tail - 0.25**tail) / tail / QUARTILE
+    return tukey_quantile(0.75, tail) / QUARTILE
 
 
 def tukey_variance(tail: float) -> float:

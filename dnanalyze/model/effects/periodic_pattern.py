@@ -71,6 +71,7 @@ class PeriodicPattern(ReadoutEffect):
             "fixed lines at (1/2,0), (0,1/2), (1/2,1/2) exactly; a line that beats with these less "
             "than 1.5 times over the field is a slope of theirs"
         ),
+        "serial_noise": "with a phase new in every row, no line in the spectrum of a frame",
         "flicker_noise": "a slope, not a line",
     }
 

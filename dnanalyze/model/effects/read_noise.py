@@ -64,6 +64,7 @@ class ReadNoise(Effect):
         ),
         "transfer_tails": "deferred charge correlates the noise of the charge, not that of cold "
         "frames",
+        "serial_noise": "correlated farther along the row than with the next two pixels",
         "noisy_pixels": "a second population of pixels, not a log-normal spread of all",
         "rts": "an RTS pixel returns to the same two levels; its squared differences repeat",
         "quantization": "rounding adds 1/12 DN² and leaves integer codes",

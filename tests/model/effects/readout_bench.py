@@ -108,6 +108,9 @@ class Given:
     def curve(self, name, setting):
         return self.curves[name][setting]
 
+    def modelled_curve(self, name, setting):
+        return self.curves[f"model {name}"][setting]
+
 
 def line_clues(prefix, measured, simulated, shape=(256, 256), z=10.0, **more):
     """Clues in which the four bands of a line spectrum have given powers, DN^2."""

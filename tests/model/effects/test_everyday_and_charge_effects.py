@@ -61,6 +61,7 @@ OTHERS = {
     "temporal_denoise",
     "offset_gradient",
     "noisy_pixels",
+    "serial_noise",
 }
 
 

@@ -5,6 +5,7 @@ from scipy.stats import norm, t, tukeylambda
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.heavy_tailed_read_noise import (
+    FAR_ERROR,
     QUARTILE,
     HeavyTailedReadNoise,
     student,
@@ -120,3 +121,16 @@ def test_student_noise_has_the_stated_quartile_and_variance(freedom):
         kurtosis = 3.0 + 6.0 / (freedom - 4.0)
         error = 5 * np.sqrt((kurtosis - 1) / x.size)
         assert x.var() == pytest.approx(effect.variance(POINT), rel=error)
+
+
+def test_tails_that_so_few_deviates_do_not_tell_from_gaussian_ones_are_not_shown():
+    pixels = 128 * 256
+    far = norm.ppf(0.999)
+    error = np.sqrt(0.999 * 0.001) / norm.pdf(far) / far
+    assert pytest.approx(FAR_ERROR, rel=1e-3) == error
+    assert not HeavyTailedReadNoise(4.0, 0.1373).shows_in(6, pixels)
+    assert HeavyTailedReadNoise(4.0, 0.1).shows_in(6, pixels)
+    assert not HeavyTailedReadNoise(4.0, 0.1).shows_in(1, 1000)
+    students = HeavyTailedReadNoise(4.0, form="student", freedom=30.0)
+    assert students.shows_in(6, pixels)
+    assert not students.shows_in(1, 1000)

@@ -17,7 +17,7 @@ NAMES = (
     "flicker_noise", "heavy_tailed_read_noise", "periodic_pattern", "offset_drift", "cfa_mismatch",
     "column_taps", "stuck_pixels", "defect_lines", "missing_codes", "digital_gain",
     "black_clipping", "dpc", "denoise", "temporal_denoise", "offset_gradient",
-    "noisy_pixels",
+    "noisy_pixels", "serial_noise",
 )  # fmt: skip
 BASE = (Flat(20.0), ReadNoise(3.0))
 SHAPE = (96, 130)
