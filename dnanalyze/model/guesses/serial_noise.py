@@ -12,8 +12,8 @@ from dnanalyze.model.effects.serial_noise import SerialNoise
 from dnanalyze.model.guesses.evidence import curve, shows
 
 BANDS = 32  # of 1/64 c/px: correlations of up to 32 pixels
-# Quantile of the bands that is taken for white: the least band may be one of which another effect of
-# the model has too much. On a real camera with interference sigma would be 36 DN by the least band,
+# Quantile of the bands that is taken for white: of the least band another effect of the model may
+# have too much. On a real camera with interference sigma would be 36 DN by the least band,
 # and is 6.7 DN by this one.
 FLOOR = 0.1
 FEWEST_MODES = 4 * BANDS  # of a row
