@@ -35,7 +35,7 @@ from dnanalyze.diagnosis.selection import (
     significant,
 )
 from dnanalyze.diagnosis.spread_law import in_words
-from dnanalyze.diagnosis.stepwise import choose, supported
+from dnanalyze.diagnosis.stepwise import choose, lower_without, supported
 from dnanalyze.fitting.agreement import agreements
 from dnanalyze.fitting.fit import starting_model
 from dnanalyze.fitting.from_part import converge, fitted, fitted_in_time
@@ -228,9 +228,12 @@ def _in_full(
             on_result(unfinished(captures, null, so_far, open_to))
 
     tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), on_progress, tell)
-    if best is not None and best.effect == BASE:
-        null = FittedModel.of(null.problem, converge(null.problem, best.state))
-        law = in_words(problem, null.state.model)
+    other = None
+    if best is not None:
+        other = best.state if best.effect == BASE else lower_without(null, best)
+    if best is not None and other is not None:
+        null = FittedModel.of(null.problem, converge(null.problem, other))
+        law = in_words(problem, null.state.model) if best.effect == BASE else ""
         tried, best = choose(null, candidates_of(null.state, open_to, [BASE]), on_progress)
     on_progress("what the leading candidate leaves")
     found = replace(judge(captures, null, tried, best, open_to, follow_up=True), law=law)

@@ -110,6 +110,22 @@ def supported(null: FittedModel, tried: Sequence[Trial]) -> Trial | None:
     )
 
 
+def lower_without(null: FittedModel, best: Trial) -> State | None:
+    """The model without a candidate, from where the refit with it ended, if that is nearly as good.
+
+    The loss may have several minima, and a refit may end in a lower one without need of the
+    candidate, whose evidence is then that of the minimum. None where the candidate is decisive
+    there too, or where it is not a lower one.
+    """
+    if best.effect == BASE:
+        return None
+    begun = start(null.problem, best.state.model.without(best.effect))
+    fall, left = null.state.loss - begun.loss, begun.loss - best.state.loss
+    if fall < EVIDENCE_NULL * best.overdispersion or left > EVIDENCE_DECISIVE * best.overdispersion:
+        return None
+    return minimise(null.problem, begun, FIT_STEPS)
+
+
 def removal(problem: FitProblem, state: State, name: str) -> State:
     """The model without an effect, refitted."""
     model = state.model.without(name)
@@ -256,6 +272,11 @@ class Search:
             null = FittedModel.of(self.problem, path.state)
             path = self._tested(path, null)
             best = path.best
+            lower = None if best is None else lower_without(null, best)
+            if lower is not None:
+                lower = self._at_home(lower, null)
+                path = self._at_its_optimum(replace(path, state=lower, converged=False))
+                continue
             if not path.converged and (best is None or not beyond_doubt(best, path.tried)):
                 path = self._at_its_optimum(path)
                 if not FittedModel.of(self.problem, path.state).adequate:

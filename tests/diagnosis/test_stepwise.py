@@ -13,7 +13,7 @@ from dnanalyze.diagnosis.refine import refine_on
 from dnanalyze.diagnosis.results import Step
 from dnanalyze.diagnosis.search_path import Path, SearchLimits
 from dnanalyze.diagnosis.selection import EVIDENCE_DECISIVE, EVIDENCE_NULL, EVIDENCE_ODDS_10, Trial
-from dnanalyze.diagnosis.stepwise import Search, choose, reduced, supported, swapped
+from dnanalyze.diagnosis.stepwise import Search, choose, lower_without, reduced, supported, swapped
 from dnanalyze.fitting import design as designs
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
@@ -178,6 +178,34 @@ def test_an_effect_that_is_not_beyond_doubt_is_compared_with_the_model_at_its_op
     assert compared[0] == (pytest.approx(0.95 * noise.sigma), set(known))
     if len(compared) > 1:  # at its optimum the model is not adequate
         assert compared[1] == (pytest.approx(noise.sigma, rel=0.02), {"row_noise"})
+    assert path.state.model.get("read_noise").sigma == pytest.approx(noise.sigma, rel=0.02)
+
+
+def test_an_effect_has_no_evidence_of_a_minimum_that_is_as_low_without_it(problem, monkeypatch):
+    """A fit ended in one of several minima; the refit with a candidate found a lower one."""
+    right = fitted(problem, RowFpn(1.0))
+    noise = right.model.get("read_noise")
+    poor = start(problem, right.model.with_effect(replace(noise, sigma=0.8 * noise.sigma)))
+    null = FittedModel.of(problem, poor)
+    with_it = start(null.problem, right.model.with_effect(RowNoise(1e-3)))
+    found = replace(trial(null, 9e9, with_it), effect="row_noise")
+    lower = lower_without(null, found)
+    assert lower.model.names == right.model.names
+    assert lower.loss < 0.5 * null.state.loss
+    assert lower_without(FittedModel.of(problem, right), found) is None
+    assert lower_without(null, replace(found, effect=BASE)) is None
+
+    asked = []
+
+    def chosen(beside, known, *_, **__):
+        asked.append(beside.state.model.get("read_noise").sigma)
+        return ([found], found) if len(asked) == 1 else ([], None)
+
+    monkeypatch.setattr("dnanalyze.diagnosis.stepwise.choose", chosen)
+    steps = (Step(None, 99.0), Step("row_fpn", error_of(problem, poor)))
+    path = Search(problem, {"row_noise": RowNoise})._searched(Path(poor, steps))
+    assert [s.added for s in path.steps] == [None, "row_fpn"]
+    assert path.error < steps[-1].error
     assert path.state.model.get("read_noise").sigma == pytest.approx(noise.sigma, rel=0.02)
 
 
