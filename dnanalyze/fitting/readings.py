@@ -13,6 +13,7 @@ from dnanalyze.model.wave import Wave
 
 MOSAIC = 2  # rows and columns of a block of colours
 SHARED = ("", "rows", "columns")  # by a line, as in `analyzers.spectra.lines.Line.axis`
+SINGLE = "frame"  # what a frame alone shows, of the names of statistics and curves
 CHANCE = 0.1  # c/px; the frequency of a peak that chance made is told no better
 
 
@@ -82,10 +83,12 @@ class Readings:
     def waves(self, part: str, setting: int) -> list[Wave]:
         """Significant lines of the "temporal" or "pattern" spectrum, DN as recorded.
 
+        Of single frames alone those of the frame, which may be of either.
         A colour of a mosaic sees every second pixel: of the frequencies in the frame that look
         alike to it, the lowest.
         """
         planes = self.planes[setting]
+        part = SINGLE if (self.frames == 1).all() else part
         scale = 1.0 if len(planes) == 1 else 1.0 / MOSAIC
         rows = [row for p in planes for row in p.curves.get(f"{part}_lines", np.empty((0, 7)))]
         return [_wave(row.tolist(), scale) for row in rows if row[2] <= CHANCE]

@@ -12,7 +12,7 @@ from dnanalyze.analyzers.catalogue import catalogue as infos
 from dnanalyze.fitting.line_defects import defects_of, line_defects
 from dnanalyze.fitting.measured_parameters import Measured
 from dnanalyze.fitting.problem import FitProblem
-from dnanalyze.fitting.readings import MOSAIC, Readings
+from dnanalyze.fitting.readings import MOSAIC, SINGLE, Readings
 from dnanalyze.fitting.simulated import BLOCKS
 from dnanalyze.fitting.state import State
 from dnanalyze.loaders.captures import OperatingPoint, Window
@@ -67,20 +67,33 @@ class Residual:
     def _readings(self) -> tuple[Readings, Readings]:
         return Readings(self.problem.measured[0]), Readings(self.problem.measured[1])
 
+    def _known_as(self, name: str) -> str:
+        """The name of a statistic; of single frames alone that of the frame.
+
+        Its DSNU and its temporal noise are then one: an effect of either may explain it.
+        """
+        part, _, what = name.partition("_")
+        alone = part in ("pattern", "temporal") and all(
+            n == 1 for _, n in self.problem.plan.settings
+        )
+        return f"{SINGLE}_{what}" if alone and f"{SINGLE}_{what}" in infos() else name
+
     def measured(self, name: str) -> np.ndarray:
         """Measured value, one per setting; values that are given for information alone too."""
+        name = self._known_as(name)
         held = self._over_settings(name, self.problem.train.values)
         return held if np.isfinite(held).any() else self._readings[0].value(name)
 
     def simulated(self, name: str) -> np.ndarray:
         """Model value, one per setting."""
+        name = self._known_as(name)
         found = self._over_settings(name, self.problem.train.predicted(self.state.train))
         info = infos().get(name)
         return found if info is None else np.array([info.scale.plain(c) for c in found])
 
     def z(self, name: str) -> np.ndarray:
         """Misfit z, one per setting."""
-        return self._over_settings(name, self.state.train)
+        return self._over_settings(self._known_as(name), self.state.train)
 
     def colours(self, name: str) -> np.ndarray:
         """Values and standard errors of the colours of a mosaic, of the fitted half."""

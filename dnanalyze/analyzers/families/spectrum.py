@@ -95,14 +95,15 @@ def finish(acc: Accumulated) -> FamilyResult:
         why = f"a spectrum needs {SMALLEST_SIDE} pixels along each side"
         return FamilyResult(missing={"spectrum": why})
     result = FamilyResult()
-    if acc.frames < 2:
+    alone = acc.frames < 2
+    if alone:
         result.missing["spectrum"] = (
             "one frame does not separate DSNU and temporal noise: only frame_ spectra"
         )
     whole = acc.plan.wants(INFOS[0].family)
     for part in _parts(acc) if whole else _pattern_alone(acc):
         _bands(part, result)
-        if part.name != "frame":
+        if part.name != "frame" or alone:
             _structure(part, result)
             _profiles(part, result)
             _peaks(part, _images(part, acc), result)
@@ -121,7 +122,8 @@ def _parts(acc: Accumulated) -> list[_Part]:
     frame = reduce_power(power, modes)
     temporal = acc.spectra.temporal_power()
     if temporal is None:
-        return [_Part("frame", power, frame, 1.0, *_tails(acc), errors=errors)]
+        lines = _line_tails(acc)
+        return [_Part("frame", power, frame, 1.0, *_tails(acc), lines, errors=errors)]
     pattern, changing = _pattern(acc, temporal), reduce_power(temporal, modes)
     repeats, spread = 1.0, 0.0
     if errors:
@@ -150,9 +152,8 @@ def _pattern(acc: Accumulated, residue: np.ndarray) -> _Part:
     reduced = reduce_power(power, modes_of(acc.plan.shape))
     if not acc.plan.errors:
         return _Part("pattern", power, reduced, 1.0, 0.0, errors=False)
-    means = line_means(acc.clipped_pattern)
-    lines = excess_kurtosis(means.columns), excess_kurtosis(means.rows)
-    return _Part("pattern", power, reduced, 1.0, *_tails(acc), lines, residue, acc.frames)
+    tails, lines = _tails(acc), _line_tails(acc)
+    return _Part("pattern", power, reduced, 1.0, *tails, lines, residue, acc.frames)
 
 
 def _tails(acc: Accumulated) -> tuple[float, float]:
@@ -161,6 +162,14 @@ def _tails(acc: Accumulated) -> tuple[float, float]:
         return 0.0, 0.0
     pixels, centre, sigma = acc.pattern_ordered, acc.pattern_centre, acc.pattern_sigma
     return pattern_spread(pixels, centre, sigma), tile_spread(acc.clipped_pattern)
+
+
+def _line_tails(acc: Accumulated) -> tuple[float, float]:
+    """``line_spread`` of the pattern."""
+    if not acc.plan.errors:
+        return 0.0, 0.0
+    means = line_means(acc.clipped_pattern)
+    return excess_kurtosis(means.columns), excess_kurtosis(means.rows)
 
 
 @dataclass(frozen=True)
@@ -218,7 +227,7 @@ def _structure(part: _Part, result: FamilyResult) -> None:
         ("rows", reduced.rows, part.line_spread[1], reduced.modes.shape[0]),
     ):
         # a fixed line, such as odd and even columns, belongs to the type: no less certain
-        square = power**2 if part.name != "pattern" else 0.0 * power
+        square = power**2 if part.name == "temporal" else 0.0 * power
         for band in _axis_bands(size):
             name = f"{part.name}_{kind}_{band.label}"
             _mean_into(result, name, part, power, square, band, spread)
@@ -288,7 +297,7 @@ def _mean_into(
 
 def _images(part: _Part, acc: Accumulated) -> tuple[np.ndarray, ...]:
     """Images that hold the part: the pattern, or the first and the last frame less the mean."""
-    if part.name == "pattern":
+    if part.name != "temporal":
         return (acc.clipped_pattern,)
     return tuple(frame - acc.pattern for frame in acc.end_frames)
 
@@ -322,10 +331,10 @@ def _peaks(part: _Part, images: tuple[np.ndarray, ...], result: FamilyResult) ->
                 why = "no peak of whole rows or columns is significant"
                 result.missing[f"{part.name}_axis_line{what}"] = why
         result.curves[f"{part.name}_lines"] = _lines(part, strongest, images)
-    if part.name == "pattern":
+    if part.name != "temporal":
         ratios = nyquist_ratios(part.power, shape)
         for label in ("10", "01", "11"):
-            name = f"pattern_nyquist_{label}"
+            name = f"{part.name}_nyquist_{label}"
             if label in ratios:
                 result.values[name] = Value(*ratios[label])
             else:

@@ -48,15 +48,14 @@ def _of_part(part: str) -> Iterator[StatisticInfo]:
     for label, _, _ in band_names(RADIAL_BANDS):
         # the single frame follows from the other two; with one frame only, it is all there is
         yield _power(f"{part}_psd_{label}", f"power {of} {_band_text(label)}")
-    if part != "frame":
-        for kind in ("columns", "rows"):
-            for label, _, _ in band_names(STRUCTURE_BANDS):
-                title = f"power {of} of whole {kind} {_band_text(label)}"
-                yield _power(f"{part}_{kind}_{label}", title)
-        for axis, way in (("u", "along the rows"), ("v", "along the columns")):
-            for label, _, _ in profile_names():
-                yield _power(f"{part}_{axis}_{label}", f"power {of} {way} {_band_text(label)}")
-        yield from _lines_of(part, of)
+    for kind in ("columns", "rows"):
+        for label, _, _ in band_names(STRUCTURE_BANDS):
+            title = f"power {of} of whole {kind} {_band_text(label)}"
+            yield _power(f"{part}_{kind}_{label}", title)
+    for axis, way in (("u", "along the rows"), ("v", "along the columns")):
+        for label, _, _ in profile_names():
+            yield _power(f"{part}_{axis}_{label}", f"power {of} {way} {_band_text(label)}")
+    yield from _lines_of(part, of)
     for label, span in (("low", "0.005 to 0.05"), ("mid", "0.05 to 0.2"), ("high", "0.2 to 0.5")):
         yield _told(f"{part}_slope_{label}", "1", f"log-log slope {of} at {span} c/px")
     yield _told(f"{part}_corner_frequency", "c/px", f"corner frequency {of}")
@@ -96,14 +95,16 @@ def _told(name: str, unit: str, title: str, scale: Scale = Scale.LINEAR) -> Stat
     return StatisticInfo(name, "spectrum", unit, title, scale, compared=False)
 
 
-def _nyquist() -> Iterator[StatisticInfo]:
+def _nyquist(part: str) -> Iterator[StatisticInfo]:
     for label, what, why in (
         ("10", "odd and even columns", "two readout chains, or a colour pattern"),
         ("01", "odd and even rows", "two readout chains, or a colour pattern"),
         ("11", "the two fields of a checkerboard", "a colour pattern or shared pixels"),
     ):
         yield StatisticInfo(
-            f"pattern_nyquist_{label}", "spectrum", "1", f"difference between {what}", Scale.RATIO,
+            f"{part}_nyquist_{label}", "spectrum", "1",
+            f"difference between {what}" + (f" {_OF[part]}" if part == "frame" else ""),
+            Scale.RATIO,
             high=f"{what} differ more than in the model: {why}",
             low=f"{what} differ less than in the model",
         )  # fmt: skip
@@ -120,5 +121,6 @@ INFOS: tuple[StatisticInfo, ...] = (
         "neighbours",
         Scale.LOG,
     ),
-    *_nyquist(),
+    *_nyquist("pattern"),
+    *_nyquist("frame"),
 )

@@ -235,7 +235,32 @@ def test_small_frames_give_finite_values_or_a_reason(shape, count):
         assert all(name.startswith("frame_") for name in result.values)
         assert "spectrum" in result.missing
     else:
-        assert names <= set(result.values) | set(result.missing)
+        told = set(result.values) | set(result.missing)
+        assert {n for n in names if not n.startswith("frame_")} <= told
+        assert not any(n.startswith(("frame_columns", "frame_rows", "frame_line")) for n in told)
+
+
+def test_a_single_frame_has_the_power_of_its_columns_and_its_lines():
+    rng = np.random.default_rng(15)
+    rows, columns, offset, amplitude = 240, 360, 0.5, 0.8
+    frame = white(rng, (rows, columns), 1) + rng.normal(0.0, offset, columns)
+    u, v = 50 / columns, 30 / rows
+    y, x = np.mgrid[:rows, :columns]
+    frame[0] += amplitude * np.sin(2 * np.pi * (u * x + v * y))
+    values = spectrum.finish(accumulated(frame)).values
+    noise = np.mean([values[f"frame_v_{b}"].value for b in ("0.1_0.3", "0.3_0.5")])
+    for band in ("0.02_0.1", "0.1_0.3", "0.3_0.5"):
+        found = values[f"frame_columns_{band}"]
+        assert found.value == pytest.approx(noise + rows * offset**2, rel=5 * found.se)
+    assert values["frame_rows_0.1_0.3"].value == pytest.approx(
+        noise, rel=5 * values["frame_rows_0.1_0.3"].se
+    )
+    assert values["frame_line_u"].value == pytest.approx(u, abs=1e-3)
+    assert abs(values["frame_line_v"].value) == pytest.approx(v, abs=1e-3)
+    assert values["frame_line_amplitude"].value == pytest.approx(amplitude, rel=0.05)
+    assert values["frame_nyquist_10"].value == pytest.approx(
+        1.0, abs=5 * values["frame_nyquist_10"].se
+    )
 
 
 def test_constant_frames_have_no_power():
