@@ -29,14 +29,15 @@ def profile(problem: FitProblem, state: State) -> dict[str, float]:
 def evidence_for(
     problem: FitProblem, before: State, after: State, effect: type[Effect], most: int = 3
 ) -> list[str]:
-    """Sentences on the statistics that the effect corrects, largest first."""
+    """Sentences on the statistics that the effect corrects, largest first.
+
+    Its own come before others: these may be off because the model without it made up for it.
+    """
     was, now = profile(problem, before), profile(problem, after)
     relief = {n: was[n] ** 2 - now[n] ** 2 for n in was}
-    for name in effect.fingerprint:  # of statistics that tell as much, the effect's own come first
-        if name in relief:
-            relief[name] *= 1.5
     closer = [n for n in relief if relief[n] > 0 and _size(was, n) != _size(now, n)]
-    closer.sort(key=lambda n: -relief[n])
+    own = [n for n in closer if n in effect.fingerprint and was[n] >= max(STATED, 2.0 * now[n])]
+    closer.sort(key=lambda n: (n not in own, -relief[n]))
     sentences = [
         f"{_sentence(problem, before, name)}; with {effect.name} "
         f"the difference falls from {_size(was, name)} to {_size(now, name)} sigma"
