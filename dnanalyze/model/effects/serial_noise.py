@@ -49,7 +49,7 @@ class SerialNoise(ReadoutEffect):
     )
     fingerprint: ClassVar[tuple[str, ...]] = (
         "temporal_u_0.03_0.1", "temporal_u_0.1_0.3", "temporal_u_0.3_0.5", "temporal_u_0_0.03",
-        "temporal_corr_10", "temporal_corr_20", "frame_corr_10", "frame_corr_20",
+        "temporal_corr_10", "temporal_corr_20",
     )  # fmt: skip
     confused_with: ClassVar[dict[str, str]] = {
         "flicker_noise": "1/f noise goes on from one row to the next, as soft horizontal bands",

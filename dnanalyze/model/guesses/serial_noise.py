@@ -27,8 +27,12 @@ def guess(effect: type[SerialNoise], clues: Clues) -> list[Effect]:
     """
     if not shows(clues, effect.fingerprint, 0):
         return []
-    found = [s for n in range(len(clues.points)) if (s := _excess(clues, n)) is not None]
-    if not found:
+    every = range(len(clues.points))
+    for part in ("temporal", "frame"):
+        found = [s for n in every if (s := _excess(clues, part, n)) is not None]
+        if found:
+            break
+    else:
         return []
     excess, weight = (np.array(each) for each in zip(*found, strict=True))
     mean = np.average(excess, axis=0, weights=weight)
@@ -40,17 +44,17 @@ def guess(effect: type[SerialNoise], clues: Clues) -> list[Effect]:
     return [effect.within(sigma=math.sqrt(size), bands=bands)]
 
 
-def _excess(clues: Clues, setting: int) -> tuple[np.ndarray, float] | None:
+def _excess(clues: Clues, part: str, setting: int) -> tuple[np.ndarray, float] | None:
     """Unexplained power of each band, DN^2 at the reference gain, and its weight.
 
-    None where the operating point has no such spectrum.
+    None where the operating point has no such spectrum. ``part``: "temporal", or "frame" where no
+    operating point has several frames.
     """
-    frames = clues.measured("temporal_noise_core")
-    part = "temporal" if np.isfinite(frames).any() else "frame"
     name = f"{part}_horizontal_spectrum"
-    seen, model = curve(clues, name, setting), clues.modelled_curve(name, setting)
-    if seen is None or seen.size < FEWEST_MODES or model.shape != seen.shape:
+    seen = curve(clues, name, setting)
+    if seen is None or seen.size < FEWEST_MODES:
         return None
+    model = clues.modelled_curve(name, setting)
     gain = clues.points[setting].gain_over(clues.reference) ** 2
     where = np.linspace(0, seen.size, BANDS + 1).astype(int)[:-1]
     count = np.diff(np.append(where, seen.size))
