@@ -50,7 +50,9 @@ def _of_part(part: str) -> Iterator[StatisticInfo]:
         yield _power(f"{part}_psd_{label}", f"power {of} {_band_text(label)}")
     for kind in ("columns", "rows"):
         for label, _, _ in band_names(STRUCTURE_BANDS):
-            title = f"power {of} of whole {kind} {_band_text(label)}"
+            lines = f"whole {kind}"
+            what = f"of {lines} {of}" if part == "frame" else f"{of} of {lines}"
+            title = f"power {what} {_band_text(label)}"
             yield _power(f"{part}_{kind}_{label}", title)
     for axis, way in (("u", "along the rows"), ("v", "along the columns")):
         for label, _, _ in profile_names():
