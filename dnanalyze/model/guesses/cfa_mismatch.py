@@ -19,10 +19,10 @@ _MODES = (("u", "10"), ("v", "01"), ("uv", "11"))
 
 
 def guess(effect: type[CfaMismatch], clues: Clues) -> list[Effect]:
-    """Sizes from the three lines, whose power is b^2 times the pixels.
+    """u and v from the levels of odd and even columns and rows, uv from its line in the spectrum.
 
-    The signs of u and v from the levels of odd and even columns and rows; that of uv does not
-    show before it is tried. Of colours that are analysed apart, from their levels.
+    The power of the line is uv^2 times the pixels; either sign of it is tried. Of colours that are
+    analysed apart, all from their levels.
     """
     levels = clues.colours("median")
     if len(levels):
@@ -36,11 +36,12 @@ def guess(effect: type[CfaMismatch], clues: Clues) -> list[Effect]:
         return []
     floor = clues.measured("pattern_psd_0.35_0.5")
     pixels = clues.shape[0] * clues.shape[1]
-    sizes = {}
-    for name, ratio in ratios.items():
-        power = typical_positive(ratio * floor) if seen[name] else 0.0
-        sizes[name] = _sign(clues, name) * math.sqrt(power / pixels)
-    return [effect.within(**sizes)]
+    steps = {name: _half_step(clues, axis) for name, axis in (("u", "columns"), ("v", "rows"))}
+    sizes = {name: step if seen[name] else 0.0 for name, step in steps.items()}
+    if not seen["uv"]:
+        return [effect.within(**sizes, uv=0.0)]
+    diagonal = math.sqrt(typical_positive(ratios["uv"] * floor) / pixels)
+    return [effect.within(**sizes, uv=sign * diagonal) for sign in (1.0, -1.0)]
 
 
 def _of_colours(effect: type[CfaMismatch], clues: Clues, levels: np.ndarray) -> list[Effect]:
@@ -55,9 +56,10 @@ def _of_colours(effect: type[CfaMismatch], clues: Clues, levels: np.ndarray) -> 
     return [effect.within(**dict(zip(("u", "v", "uv"), sizes.tolist(), strict=True)))]
 
 
-def _sign(clues: Clues, name: str) -> float:
-    """-1 where odd lines lie above even ones."""
-    if name == "uv":
-        return 1.0
-    places, offsets = line_profile(clues, "columns" if name == "u" else "rows")
-    return -1.0 if float(np.sum(offsets * (1 - 2 * (places % 2)))) < 0 else 1.0
+def _half_step(clues: Clues, axis: str) -> float:
+    """Half of what even lines lie above odd ones, DN."""
+    places, offsets = line_profile(clues, axis)
+    if offsets.size < 2:
+        return 0.0
+    even, odd = (float(np.median(offsets[places % 2 == k])) for k in (0, 1))
+    return (even - odd) / 2.0

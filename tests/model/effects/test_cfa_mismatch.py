@@ -35,8 +35,11 @@ def test_guess_needs_the_diagonal_or_both_axes():
     n, floor = 256 * 256, 4.0
     ratios = {f"pattern_nyquist_{k}": b**2 * n / floor for k, b in (("10", 0.3), ("11", 0.2))}
     seen = {**ratios, "pattern_psd_0.35_0.5": floor}
-    (effect,) = CfaMismatch.guess(Given(seen=seen, off=dict.fromkeys(ratios, 9.0)))
-    assert (effect.u, effect.v, effect.uv) == pytest.approx((0.3, 0.0, 0.2))
+    columns = 0.3 * (1.0 - 2.0 * (np.arange(256) % 2))
+    columns[7] += 40.0  # a defect column
+    clues = Given(seen=seen, off=dict.fromkeys(ratios, 9.0), profiles={"columns": [columns]})
+    for effect, uv in zip(CfaMismatch.guess(clues), (0.2, -0.2), strict=True):
+        assert (effect.u, effect.v, effect.uv) == pytest.approx((0.3, 0.0, uv))
     assert CfaMismatch.guess(Given(seen=seen, off={"pattern_nyquist_10": 9.0})) == []
 
 
@@ -50,7 +53,7 @@ def test_a_line_far_below_the_columns_is_no_mosaics(share, mosaic):
     assert bool(CfaMismatch.guess(clues)) == mosaic
 
 
-def test_guess_takes_the_signs_of_u_and_v_from_the_lines_and_leaves_that_of_uv_to_a_trial():
+def test_guess_takes_u_and_v_from_the_lines_and_tries_either_sign_of_uv():
     line = 1.0 - 2.0 * (np.arange(256) % 2)
     seen = dict.fromkeys([f"pattern_nyquist_{k}" for k in ("10", "01", "11")], 100.0)
     clues = Given(
@@ -58,10 +61,10 @@ def test_guess_takes_the_signs_of_u_and_v_from_the_lines_and_leaves_that_of_uv_t
         off=dict.fromkeys(seen, 9.0),
         profiles={"columns": [-line], "rows": [line]},
     )
-    (effect,) = CfaMismatch.guess(clues)
-    assert effect.u < 0 < effect.v
-    (other,) = effect.relatives()
+    effect, other = CfaMismatch.guess(clues)
+    assert (effect.u, effect.v) == pytest.approx((-1.0, 1.0))
     assert (other.u, other.v, other.uv) == (effect.u, effect.v, -effect.uv)
+    assert effect.relatives() == [other]
 
 
 def test_colours_that_are_analysed_apart_tell_it_by_their_levels():
