@@ -30,8 +30,8 @@ ANSWERS: dict[str, Answer] = {
         "column_taps", "cosmic_rays", "crosstalk", "dark_current_steps", "dark_gradient",
         "defect_lines", "denoise", "digital_gain", "dpc", "flicker_fpn", "flicker_noise",
         "heavy_tailed_read_noise", "hot_clusters", "hot_pixels", "missing_codes", "offset_drift",
-        "periodic_pattern", "persistence", "row_fpn", "row_noise", "rts", "stuck_pixels",
-        "temporal_denoise",
+        "periodic_pattern", "persistence", "row_fpn", "row_noise", "rts", "serial_noise",
+        "stuck_pixels", "temporal_denoise",
     ),
     # forms of an effect of the catalogue
     "edge_glow": Answer(("amp_glow",), "glow along all four edges, no corner of its own"),
