@@ -116,8 +116,7 @@ class SerialNoise(ReadoutEffect):
     def _rows(self, site: Site) -> np.ndarray:
         """Rows of unit variance over the window, drawn in the frequency domain, float32."""
         window = site.window
-        shortest = site.shape[1] + SETTLED * self._power().size
-        period = 2 * fft.next_fast_len(-(-shortest // 2), real=True)
+        period = _fast_length(site.shape[1] + SETTLED * self._power().size)
         weights = site.share("amplitudes", lambda: self._amplitudes(period))
         whole = Window(window.top, window.bottom, 0, period)
         white = np.ascontiguousarray(site.frame_stream.child("rows").normal(whole, period))
@@ -125,5 +124,11 @@ class SerialNoise(ReadoutEffect):
         modes = np.empty((white.shape[0], weights.size), np.complex64)
         np.multiply(pairs, weights[1:], out=modes[:, 1:])
         modes[:, 0] = pairs[:, -1].imag * weights[0]  # that mode is real and leaves it over
-        rows = fft.irfft(modes, n=period, axis=1, norm="forward", overwrite_x=True)
+        rows = fft.irfft(modes, n=period, axis=1, norm="forward")
         return np.asarray(rows[:, window.left : window.right])
+
+
+def _fast_length(shortest: int) -> int:
+    """The smallest of 2^n and 3 2^n, n > 1, that is no less: even, with a fast FFT."""
+    power = max(8, 1 << (shortest - 1).bit_length())
+    return 3 * power // 4 if 3 * power // 4 >= shortest else power

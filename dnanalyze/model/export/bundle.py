@@ -16,6 +16,8 @@ import sys
 from dataclasses import dataclass, field
 from functools import lru_cache
 
+import numpy as np
+
 from dnanalyze.errors import InputError
 
 REPLACED = {
@@ -251,6 +253,11 @@ class _Rewrite(ast.NodeTransformer):
                 if module.startswith("dnanalyze"):
                     return ast.Name(self.bundle.add(module, node.attr), node.ctx)
                 if module == "numpy.fft":
+                    if not hasattr(np.fft, node.attr):
+                        raise InputError(
+                            f"export: {self.module} calls {origin[0]}.{node.attr}, which NumPy has "
+                            "not"
+                        )
                     self.bundle.imports["import numpy as np"] = None
                     base = ast.Attribute(ast.Name("np", ast.Load()), "fft", ast.Load())
                     return ast.Attribute(base, node.attr, node.ctx)
