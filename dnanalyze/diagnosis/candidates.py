@@ -19,6 +19,7 @@ from dnanalyze.diagnosis.selection import (
     COMPETING_SHARE,
     EVIDENCE_DECISIVE,
     EVIDENCE_NULL,
+    EVIDENCE_ODDS_10,
     LEAST_GAIN,
     REFITS,
     Trial,
@@ -100,12 +101,12 @@ def refitted_once(
 ) -> tuple[list[str], list[Trial]]:
     """The effects of the largest promise, and one refit of each, that of most evidence first.
 
-    None is refitted where the first of them has a place or few pixels: a part of the field does not
+    None is refitted where the first of them has a place of its own: a part of the field does not
     show it as the whole does. Arguments are those of `trials`.
     """
     guesses = _screened(null, known, on_progress)
     names = list(guesses)[:REFITS]
-    if not names or known[names[0]].placing is not Placing.EVERYWHERE:
+    if not names or known[names[0]].placing is Placing.SOMEWHERE:
         return names, []
     found = [
         t for t in _refits(null, guesses, on_progress) if shown(null.problem, t.state, t.effect)
@@ -129,9 +130,13 @@ def _refits(
     on_progress: Callable[[str], None],
     on_trial: Callable[[SoFar], None] = ignored,
 ) -> list[Trial]:
-    """The first effects, each refitted from its best guess while it may reach the best of them."""
+    """The first effects, each refitted from its best guess while it may reach the best of them.
+
+    The first one must gain what is asked for: more where nothing is left to be corrected.
+    """
     found: list[Trial] = []
-    wanted, reach = null.state.loss, GAIN_OVER_PROMISE
+    least = EVIDENCE_NULL if null.left else EVIDENCE_ODDS_10
+    wanted, reach = null.state.loss - least, GAIN_OVER_PROMISE
     for name, own in list(guesses.items())[:REFITS]:
         if own[0].promise < LEAST_GAIN or reach * own[0].promise < null.state.loss - wanted:
             break
@@ -171,14 +176,23 @@ def as_sensors(null: FittedModel, guesses: Sequence[Guess], found: Trial) -> Tri
     """
     problem, made = null.problem, []
     for guess in (guesses[0], *_of_other_kinds(guesses)):
+        part = part_for(problem, guess.model)
+        near = None if part is None else part.scaled_as(problem)
+        if near is not None and not _differ_as_much(near, start(near, guess.model)):
+            continue
         begun = start(problem, guess.model, like=null.state)
-        other = problem.train.z(problem.replicate(guess.model, 0)[0])
-        if begun.loss <= AS_SENSORS * float(np.sum(deviance(begun.train - other))):
+        if _differ_as_much(problem, begun):
             trial = trial_by_prediction(null, trial_of(null, guess.effect, begun))
             made.append(replace(trial, by_design=True))
     if not made:
         return found
     return max(trial_by_prediction(null, found), *made, key=lambda t: t.evidence)
+
+
+def _differ_as_much(problem: FitProblem, begun: State) -> bool:
+    """Whether two sensors of a design differ about as much as the captures from one of them."""
+    other = problem.fitted_z(replace(begun.model, seed=begun.model.seed + 1))
+    return begun.loss <= AS_SENSORS * float(np.sum(deviance(begun.train - other)))
 
 
 def _tested(problem: FitProblem, found: Trial, trials: Sequence[Trial]) -> Trial:

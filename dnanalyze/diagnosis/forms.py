@@ -13,11 +13,12 @@ from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased,
 from dnanalyze.diagnosis.score_test import informative, restricted
 from dnanalyze.diagnosis.selection import LEAST_GAIN, REFITS, Trial
 from dnanalyze.errors import InputError
+from dnanalyze.fitting.changes import part_for
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise, within_reach
 from dnanalyze.fitting.problem import FitProblem
-from dnanalyze.fitting.state import State, deviance, start, with_derivatives_of
+from dnanalyze.fitting.state import State, carried, deviance, start, with_derivatives_of
 from dnanalyze.model.noise_model import NoiseModel
 
 # Squared misfit between two predictions: a likelihood ratio of e^(1/2) at most
@@ -47,6 +48,23 @@ def completed(problem: FitProblem, found: Trial) -> State:
 
 
 def in_best_form(problem: FitProblem, found: Trial) -> State:
+    """The state, or a better one with another form of the effect, from a part of the field.
+
+    Of a model that has no place of its own the part tells which form is the best; that is then
+    fitted to the whole.
+    """
+    part = part_for(problem, found.state.model)
+    if part is None:
+        return _best_form_on(problem, found)
+    part = part.scaled_as(problem)
+    near = minimise(part, carried(found.state, problem, part), FIT_STEPS)
+    best = _best_form_on(part, replace(found, state=near))
+    if best is near:
+        return found.state
+    return preferred(found.state, minimise(problem, carried(best, part, problem), FIT_STEPS))
+
+
+def _best_form_on(problem: FitProblem, found: Trial) -> State:
     """The state, or a better one with another form of the effect.
 
     Other choices of the effect, other strengths, and its other first guesses are simulated once;

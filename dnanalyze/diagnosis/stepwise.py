@@ -252,8 +252,8 @@ class Search:
     def _while_plain(self, path: Path) -> Path:
         """Forward steps on a part of the field, while that decides them.
 
-        Of a model that is far off it leaves as little as the whole, and of an effect that is
-        everywhere and has no rival. The candidates of which it leaves some are the first to be
+        Of a model that is far off it leaves as little as the whole, and of an effect that has no
+        place of its own and no rival. The candidates of which it leaves some are the first to be
         tested on the whole field.
         """
         while not self.near_enough(path):
@@ -526,7 +526,7 @@ class Search:
             own = FittedModel.of(self.problem, states[-1])
             rest = [expressed(s, self.problem, own.problem) for s in states[:-1]]
             return [*(error_of(own.problem, s) for s in rest), own.error]
-        there = by_design(self.whole, states[-1].model)
+        there = self.whole.scaled_as(by_design(self.problem, states[-1].model))
         return [error_of(there, carried(s, self.problem, there)) for s in states]
 
     def _at_home(self, state: State, null: FittedModel) -> State:
@@ -545,5 +545,5 @@ class Search:
         if self.whole is None:
             own = FittedModel.of(untimed, state)
             return own.problem, own.state
-        there = by_design(self.whole.within(TimeLimit()), state.model)
+        there = self.whole.within(TimeLimit()).scaled_as(by_design(untimed, state.model))
         return there, carried(state, untimed, there)
