@@ -15,8 +15,11 @@ from dnanalyze.errors import InputError
 from dnanalyze.report.output_files import check_output, write_together
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from rich.console import Console
 
+    from dnanalyze.fitting.problem import FitProblem
     from dnanalyze.loaders.captures import CaptureSet
     from dnanalyze.model.effect import Effect
     from dnanalyze.model.noise_model import NoiseModel
@@ -49,6 +52,7 @@ class Session:
     console: Console = field(init=False)
     _told: bool = field(default=False, init=False)
     _begun: float = field(default_factory=monotonic, init=False)
+    _reading: float = field(default=0.0, init=False)  # s
     _active: Progress | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
@@ -141,15 +145,25 @@ class Session:
     def remaining(self, budget: float | None) -> float | None:
         """What a search has left of so many seconds since the command began; None: no limit.
 
-        A report is drawn within them too; a search has half of what is left at the least.
+        A report is drawn within them too, from simulations that take about as long as the frames
+        took to be read; a search has half of what is left at the least.
         """
         if budget is None:
             return None
         if not budget > 0:
             raise InputError(f"--budget {budget:g}: valid: seconds above 0")
-        drawing = 0.0 if self.report is None else self._drawing
+        page = 0.0 if self.report is None else self._drawing + self._reading
         left = budget - (monotonic() - self._begun)
-        return max(left - drawing, left / 2.0, 1e-3)
+        return max(left - page, left / 2.0, 1e-3)
+
+    def fit_problem(
+        self, progress: Progress, captures: CaptureSet, executor: Executor | None = None
+    ) -> FitProblem:
+        """The captures read once, frame by frame in sight."""
+        begun = monotonic()
+        problem = progress.fit_problem(captures, executor)
+        self._reading = monotonic() - begun
+        return problem
 
     @cached_property
     def _drawing(self) -> float:

@@ -526,7 +526,7 @@ class Search:
             own = FittedModel.of(self.problem, states[-1])
             rest = [expressed(s, self.problem, own.problem) for s in states[:-1]]
             return [*(error_of(own.problem, s) for s in rest), own.error]
-        there = self.whole.scaled_as(by_design(self.problem, states[-1].model))
+        there = by_design(self.whole, states[-1].model)
         return [error_of(there, carried(s, self.problem, there)) for s in states]
 
     def _at_home(self, state: State, null: FittedModel) -> State:
@@ -545,5 +545,5 @@ class Search:
         if self.whole is None:
             own = FittedModel.of(untimed, state)
             return own.problem, own.state
-        there = self.whole.within(TimeLimit()).scaled_as(by_design(untimed, state.model))
+        there = by_design(self.whole.within(TimeLimit()), state.model)
         return there, carried(state, untimed, there)

@@ -37,7 +37,7 @@ def diagnose(
         )
         return
     with session.progress("Reading frames") as progress:
-        problem = progress.fit_problem(found)
+        problem = session.fit_problem(progress, found)
         diagnosis = run(
             found,
             model=own,

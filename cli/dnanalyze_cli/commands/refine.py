@@ -100,7 +100,7 @@ def refine(
     so_far: list[Refinement] = []
     with kept_when_stopped(session.files, so_far, go_on), executor_at(scheduler) as executor:
         with session.progress("Reading frames") as progress:
-            problem = progress.fit_problem(found, executor)
+            problem = session.fit_problem(progress, found, executor)
             result = run(
                 found,
                 model=own,

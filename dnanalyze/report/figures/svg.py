@@ -17,7 +17,11 @@ ROOT = (
 
 
 def svg_of(fig: Any) -> str:
-    """The figure as SVG text."""
+    """The figure as SVG text. It is laid out once: a canvas does so before and while it draws."""
+    layout = fig.get_layout_engine()
+    if layout is not None:
+        layout.execute(fig)
+        fig.set_layout_engine(None)
     stream = io.StringIO()
     fig.savefig(stream, format="svg", metadata={"Date": None, "Creator": None}, dpi=150)
     text = stream.getvalue()
