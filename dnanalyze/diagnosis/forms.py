@@ -57,7 +57,7 @@ def in_best_form(problem: FitProblem, found: Trial) -> State:
     if part is None:
         return _best_form_on(problem, found)
     part = part.scaled_as(problem)
-    near = minimise(part, carried(found.state, problem, part), FIT_STEPS)
+    near = carried(found.state, problem, part)
     best = _best_form_on(part, replace(found, state=near))
     if best is near:
         return found.state

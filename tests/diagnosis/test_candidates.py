@@ -9,6 +9,8 @@ from drawn_sensor import problem_with, with_random_codes
 from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
 from dnanalyze.diagnosis.candidates import (
+    GAIN_OVER_PROMISE,
+    _refits,
     candidates_of,
     refitted,
     refitted_beside,
@@ -18,7 +20,14 @@ from dnanalyze.diagnosis.candidates import (
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
 from dnanalyze.diagnosis.score_test import Guess
-from dnanalyze.diagnosis.selection import EVIDENCE_DECISIVE, EVIDENCE_NULL, Trial, significant
+from dnanalyze.diagnosis.selection import (
+    EVIDENCE_DECISIVE,
+    EVIDENCE_NULL,
+    EVIDENCE_ODDS_10,
+    LEAST_GAIN,
+    Trial,
+    significant,
+)
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import deviance
@@ -27,6 +36,7 @@ from dnanalyze.model.effects.column_fpn import ColumnFpn
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
 from dnanalyze.model.simulate import simulate
+from dnanalyze.progress import ignored
 
 pytestmark = pytest.mark.long
 
@@ -117,6 +127,20 @@ def test_the_gain_is_that_of_both_halves_in_units_of_the_scatter(null, monkeypat
 def test_candidates_are_not_in_the_model_nor_excluded(null):
     known = of("read_noise", *ROWS)
     assert set(candidates_of(null.state, known, [BASE, "row_fpn"])) == {"row_noise", "column_fpn"}
+
+
+def test_where_nothing_is_left_a_refit_begins_only_if_it_may_gain_what_is_asked_for(null):
+    def refitted_names(left, promise):
+        known = replace(null)
+        known.__dict__["left"] = left  # as the replicates would have it
+        model = null.state.model.with_effect(ColumnFpn(1.0))
+        guesses = {"column_fpn": [Guess("column_fpn", model, promise)]}
+        return [t.effect for t in _refits(known, guesses, ignored)]
+
+    for left, least in (([], EVIDENCE_ODDS_10), (["column_outliers"], EVIDENCE_NULL)):
+        enough = max(least / GAIN_OVER_PROMISE, LEAST_GAIN)
+        assert refitted_names(left, 1.01 * enough) == ["column_fpn"]
+        assert refitted_names(left, 0.99 * enough) == []
 
 
 def test_no_candidates_no_trials(null):

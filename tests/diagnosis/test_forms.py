@@ -8,12 +8,13 @@ from drawn_sensor import problem_with
 from dnanalyze.comparator.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.forms import _promising, completed, in_best_form, preferred
 from dnanalyze.diagnosis.gains import trial_of
+from dnanalyze.fitting import design as designs
 from dnanalyze.fitting.derivatives import derive
 from dnanalyze.fitting.design import design
 from dnanalyze.fitting.fit import baseline_model
 from dnanalyze.fitting.from_part import converge
 from dnanalyze.fitting.least_squares import minimise
-from dnanalyze.fitting.problem import fit_problem
+from dnanalyze.fitting.problem import FitProblem, fit_problem
 from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow
@@ -83,6 +84,39 @@ def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
     assert ended.model.get("denoise").kind == "median"
     assert ended.loss < found.state.loss
     assert in_best_form(problem, trial_of(null, "denoise", ended)) is ended
+
+
+def test_forms_of_what_has_no_place_are_compared_on_a_part_of_the_field(monkeypatch):
+    point, windows = OperatingPoint(25.0, 1.0, 1.0), []
+
+    def model(kind, seed, *more):
+        effects = ReadNoise(4.0), PixelFpn(2.0), Quantization(12), Denoise(kind=kind), *more
+        return NoiseModel(effects, 64.0, point, seed)
+
+    def several(self, models):
+        windows.extend([self.plan.windows] * len(models))
+        return simulated(self, models)
+
+    simulated = FitProblem.several
+    monkeypatch.setattr(designs, "PART_FROM_PIXELS", 0)
+    problem = fit_problem(design(simulate(model("median", 1), (256, 128), [(point, 8)])))
+    problem = problem.weighted(0.0)  # the model with a median is right
+    monkeypatch.setattr(FitProblem, "several", several)
+
+    def best(begun):
+        null = FittedModel(problem, start(problem, begun.without("denoise"), []))
+        found = trial_of(null, "denoise", start(problem, begun))
+        windows.clear()
+        return in_best_form(problem, found), found.state
+
+    ended, begun = best(model("gaussian", 2))
+    assert ended.model.get("denoise").kind == "median"
+    assert ended.loss < begun.loss
+    assert len(ended.train) == len(problem.train.keys)
+    whole = windows.count(problem.plan.windows)
+    assert windows.count(problem.part.plan.windows) == len(windows) - whole > whole > 0
+    best(model("gaussian", 2, AmpGlow(1.0)))  # the part does not show a glow as the whole does
+    assert windows[0] == problem.plan.windows
 
 
 @pytest.mark.long
