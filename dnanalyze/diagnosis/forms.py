@@ -68,16 +68,16 @@ def _best_form_on(problem: FitProblem, found: Trial) -> State:
     """The state, or a better one with another form of the effect.
 
     Other choices of the effect, other strengths, and its other first guesses are simulated once;
-    of those that may be better by the derivatives of the state, the ones with the lowest loss are
-    refitted.
+    the ones that may be better (see `_promising`) are refitted.
     """
     state = found.state
     known = {found.effect, *state.model.names}
-    models = [g.model for g in found.others if set(g.model.names) == known]
-    for way in (_forms, other_strengths):
-        models += way(state.model, found.effect, least_noise(problem))
+    noise = least_noise(problem)
+    forms = [g.model for g in found.others if set(g.model.names) == known]
+    forms += _forms(state.model, found.effect, noise)
+    strengths = other_strengths(state.model, found.effect, noise)
     better = state
-    for model in _promising(problem, state, list(dict.fromkeys(models)))[:REFITS]:
+    for model in _promising(problem, state, forms, list(strengths))[:REFITS]:
         other = start(problem, model, like=state)
         ended = minimise(
             problem, without_biased(problem, other, found.effect), FIT_STEPS, below=better.loss
@@ -86,21 +86,30 @@ def _best_form_on(problem: FitProblem, found: Trial) -> State:
     return better
 
 
-def _promising(problem: FitProblem, state: State, models: Sequence[NoiseModel]) -> list[NoiseModel]:
+def _promising(
+    problem: FitProblem,
+    state: State,
+    forms: Sequence[NoiseModel],
+    strengths: Sequence[NoiseModel] = (),
+) -> list[NoiseModel]:
     """The models from which, by the derivatives of a state, its loss is within reach, lowest first.
 
-    At the two most informative operating points. Those whose predictions do not differ from the
-    state's in the captures are no other forms: of a window, a glow of corners beyond it.
+    Before them the lowest of the other forms, whose derivatives are not those of the state. At the
+    two most informative operating points. Models whose predictions do not differ from the state's
+    in the captures are no other forms: of a window, a glow of corners beyond it.
     """
     settings = informative(problem, state)
     few, own = problem.only(settings), restricted(problem, state, settings)
+    models = list(dict.fromkeys([*forms, *strengths]))
     begun = []
     for model, found in zip(models, few.several(models), strict=True):
         there = replace(own, model=model, free=free_parameters(model), train=few.train.z(found))
         begun.append(with_derivatives_of(there, own))
     other = [s for s in begun if np.sum((s.train - own.train) ** 2) > INDISTINGUISHABLE]
-    near = [s for s in other if within_reach(s, own.loss)]
-    return [s.model for s in sorted(near, key=lambda s: s.loss)]
+    other.sort(key=lambda s: s.loss)
+    first = [s.model for s in other if s.model in forms][:1]
+    near = [s.model for s in other if within_reach(s, own.loss)]
+    return list(dict.fromkeys(first + near))
 
 
 def _forms(model: NoiseModel, name: str, noise: float) -> Iterator[NoiseModel]:

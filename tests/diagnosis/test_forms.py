@@ -119,6 +119,25 @@ def test_forms_of_what_has_no_place_are_compared_on_a_part_of_the_field(monkeypa
     assert windows[0] == problem.plan.windows
 
 
+def test_another_form_is_refitted_though_the_derivatives_of_this_one_promise_nothing_of_it():
+    """Fitted to a median filter, a Gaussian one takes other strengths and noise with it."""
+    point = OperatingPoint(25.0, 1.0, 1.0)
+
+    def model(kind, seed):
+        effects = ReadNoise(4.0), PixelFpn(2.0), Quantization(12), Denoise(kind=kind)
+        return NoiseModel(effects, 64.0, point, seed)
+
+    captures = simulate(model("median", 1), (256, 128), [(point, 8)])
+    problem = fit_problem(design(captures)).weighted(0.0)
+    begun = model("gaussian", 2)
+    null = FittedModel(problem, start(problem, begun.without("denoise"), []))
+    found = trial_of(null, "denoise", minimise(problem, start(problem, begun)))
+    assert found.state.model.get("denoise").strength < 0.9
+    ended = in_best_form(problem, found)
+    assert ended.model.get("denoise").kind == "median"
+    assert ended.loss < 0.5 * found.state.loss
+
+
 @pytest.mark.long
 def test_the_better_by_both_halves_is_preferred():
     problem = problem_with({"row_fpn": "strong"})
