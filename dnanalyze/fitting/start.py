@@ -55,13 +55,19 @@ def _paper(m: Moments) -> NoiseModel:
     square = m.signal**2 * np.exp(spread**2)
     sigma = np.sqrt(np.maximum(m.temporal, 1e-6) / (9.0 * square))
     base = built_in()[BASE](  # type: ignore[call-arg]
-        mu=_table(m.points, np.log(m.signal) - spread**2 / 2),
+        mu=_table(m.points, _within_bounds(np.log(m.signal) - spread**2 / 2)),
         delta=_table(m.points, spread),
         phi=_table(m.points, np.full(len(m.points), 2e-3)),
         sigma=_table(m.points, np.clip(sigma, 1e-5, 1e5)),
         exposure="none",
     )
     return NoiseModel((base,), m.pedestal, m.reference)
+
+
+def _within_bounds(mu: np.ndarray) -> np.ndarray:
+    """mu as far as the log-normal seed takes it: of signals of some hundred thousand DN, less."""
+    info = built_in()[BASE].parameters()["mu"]
+    return np.clip(mu, info.lower, info.upper)
 
 
 def baseline_by_moments(
@@ -96,7 +102,7 @@ def baseline_by_moments(
     lit = [i for i, p in enumerate(m.points) if p.exposure_s is None or p.exposure_s > 0]
     reference = m.reference
     rate = m.signal / np.array([p.exposure_over(reference) or 1.0 for p in m.points])
-    mu = np.log(np.maximum(rate, 1e-4)) - delta**2 / 2
+    mu = _within_bounds(np.log(np.maximum(rate, 1e-4)) - delta**2 / 2)
     rows = _by_temperature(m.points, mu, lit)
     base = known[BASE](mu=rows, delta=delta, phi=1e-3, sigma=1e-6)  # type: ignore[call-arg]
     effects = (

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dnanalyze.model.bounds import bounded
+from dnanalyze.model.bounds import bounded, clip
 from dnanalyze.model.clues import Clues
 from dnanalyze.model.effect import Effect
 from dnanalyze.model.effects.column_fpn import ColumnFpn
@@ -75,7 +75,9 @@ def _transient(clues: Clues) -> tuple[dict[str, Any], float]:
     for own, side, (height, n) in zip(names, (first, 1 - first), found, strict=False):
         start = float(ends[side].min())
         grown = math.exp(min(start / float(lengths[n]), 5.0))
-        numbers |= zip(own, (height * grown, float(lengths[n])), strict=True)
+        numbers |= clip(
+            ColumnFpn, **dict(zip(own, (height * grown, float(lengths[n])), strict=True))
+        )
     return numbers, left / total
 
 

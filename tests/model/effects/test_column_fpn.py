@@ -105,6 +105,20 @@ def test_guess_reads_a_settling_level_off_the_columns(first, margin):
     assert effect.settle == pytest.approx(30.0, rel=0.12)
 
 
+def test_a_transient_that_begins_far_outside_the_window_is_within_its_bounds():
+    column = np.arange(300, 812)
+    profile = -3000.0 * np.exp(-(column - 300) / 60.0)  # e^5 times that at column 0
+    profile += np.random.default_rng(5).standard_normal(512)
+    names = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
+    clues = Given(
+        (256, 512), seen=dict.fromkeys(names, 50.0), model=dict.fromkeys(names, 3.0),
+        off=dict.fromkeys(names, 9.0), whole=(256, 1024),
+        profiles={"columns": [profile], "places": [column]},
+    )  # fmt: skip
+    (effect,) = ColumnFpn.guess(clues)
+    assert effect.settle == -10_000.0
+
+
 def test_where_a_transient_leaves_much_both_forms_are_guessed():
     column = np.arange(512)
     rng = np.random.default_rng(3)
