@@ -50,6 +50,15 @@ class Cell:
         return self.low > max(0.5, self.control) and self.auc > self.control + ABOVE
 
     @property
+    def reversed(self) -> bool:
+        """Whether what tells the frames on one part of the field tells them wrongly on the other.
+
+        The upper limit of the area lies below chance and the area clearly below its control: the
+        two parts differ from the model in opposite ways.
+        """
+        return self.high < min(0.5, self.control) and self.auc < self.control - ABOVE
+
+    @property
     def tells(self) -> bool:
         """Whether the measured frames can be told here: above, and several controls confirm it."""
         return self.above and self.confirmed
@@ -142,7 +151,7 @@ class Classification(Result):
         return any(c.tells for c in (*self.cells, *self.together))
 
     def sentence(self) -> str:
-        """Return the verdict in one sentence.
+        """Return the verdict in words.
 
         Returns
         -------

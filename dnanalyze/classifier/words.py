@@ -23,12 +23,24 @@ def sentence(result: Any) -> str:
         return (
             "A classifier cannot tell the simulated frames from the measured ones "
             f"(AUC {spread}; control {_two(max(c.control for c in result.cells))})."
+            + _opposite([c for c in (*result.cells, *result.together) if c.reversed])
         )
     at = where([c.point for c in result.cells], best.point)
     by = f" by the {named(result.telling[:MAX_NAMED])}" if result.telling else ""
     return (
         f"A classifier tells the simulated frames from the measured ones{at}{by} "
         f"(AUC {_two(best.auc)}; control {_two(best.control)})."
+    )
+
+
+def _opposite(cells: Sequence[Any]) -> str:
+    """That the parts of the field differ from the model in opposite ways, where they do."""
+    if not cells:
+        return ""
+    least = min(cells, key=lambda cell: cell.high)
+    return (
+        f" An AUC of {_two(least.auc)} is below chance: in the {least.name}, the two parts of the "
+        "field on which it learns and is tested differ from the model in opposite ways."
     )
 
 
