@@ -425,11 +425,15 @@ class Search:
         return path
 
     def _reduced(self, path: Path) -> Path:
-        """Without the effects that are no longer significant."""
+        """Without the effects that are no longer significant, unless the model error would rise.
+
+        By the yardstick of the model that is left: that of the one with them may be wider.
+        """
         state, gone = reduced(self.problem, path.state)
-        if gone:
-            path = self._without(path, state, gone)
-            self._kept(path)
+        if not gone or way(path.error, error := self._error(state)) == "rises":
+            return path
+        path = self._without(path, state, gone, error)
+        self._kept(path)
         return path
 
     def _converged(self, path: Path) -> Path:

@@ -7,6 +7,7 @@ import pytest
 from drawn_sensor import problem_with, with_random_codes
 
 from dnanalyze.comparator.predictive_check import FittedModel, error_of
+from dnanalyze.diagnosis import stepwise
 from dnanalyze.diagnosis.baseline import far_off
 from dnanalyze.diagnosis.gains import trial_by_prediction
 from dnanalyze.diagnosis.refine import refine_on
@@ -330,6 +331,17 @@ def test_a_search_without_time_keeps_the_start_with_its_error_on_the_whole_field
     (path,) = kept
     assert [s.added for s in path.steps] == [None]
     assert path.error == pytest.approx(FittedModel.of(far, begun).error)
+
+
+def test_no_effect_is_taken_out_where_the_model_error_would_rise(far, monkeypatch):
+    without = fitted(far)  # both effects are missing
+    monkeypatch.setattr(stepwise, "reduced", lambda problem, state: (without, ["row_noise"]))
+    error = FittedModel.of(far, without).error
+    for before, rises in ((0.9 * error, True), (1.1 * error, False)):
+        path = Path(without, (Step(None, before), Step("row_noise", before)))
+        left = Search(far, {})._reduced(path)
+        added = [s.added for s in left.steps]
+        assert added == [None, "row_noise", *([] if rises else ["-row_noise"])]
 
 
 def test_effects_of_different_statistics_are_added_together(far):
