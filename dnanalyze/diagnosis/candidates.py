@@ -101,12 +101,12 @@ def refitted_once(
 ) -> tuple[list[str], list[Trial]]:
     """The effects of the largest promise, and one refit of each, that of most evidence first.
 
-    None is refitted where the first of them has a place of its own: a part of the field does not
+    None is refitted where the first of them has a place or few pixels: a part of the field does not
     show it as the whole does. Arguments are those of `trials`.
     """
     guesses = _screened(null, known, on_progress)
     names = list(guesses)[:REFITS]
-    if not names or known[names[0]].placing is Placing.SOMEWHERE:
+    if not names or known[names[0]].placing is not Placing.EVERYWHERE:
         return names, []
     found = [
         t for t in _refits(null, guesses, on_progress) if shown(null.problem, t.state, t.effect)

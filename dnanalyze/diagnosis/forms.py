@@ -50,7 +50,7 @@ def completed(problem: FitProblem, found: Trial) -> State:
 def in_best_form(problem: FitProblem, found: Trial) -> State:
     """The state, or a better one with another form of the effect, from a part of the field.
 
-    Of a model that has no place of its own the part tells which form is the best; that is then
+    Of a model of effects that are everywhere the part tells which form is the best; that is then
     fitted to the whole.
     """
     part = part_for(problem, found.state.model)

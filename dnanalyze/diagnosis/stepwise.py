@@ -252,8 +252,8 @@ class Search:
     def _while_plain(self, path: Path) -> Path:
         """Forward steps on a part of the field, while that decides them.
 
-        Of a model that is far off it leaves as little as the whole, and of an effect that has no
-        place of its own and no rival. The candidates of which it leaves some are the first to be
+        Of a model that is far off it leaves as little as the whole, and of an effect that is
+        everywhere and has no rival. The candidates of which it leaves some are the first to be
         tested on the whole field.
         """
         while not self.near_enough(path):

@@ -15,7 +15,7 @@ from dnanalyze.model.noise_model import NoiseModel
 
 def part_for(problem: FitProblem, model: NoiseModel) -> FitProblem | None:
     """The part of the field on which a model may be fitted first; None where it may not."""
-    return problem.part if model.placing < Placing.SOMEWHERE else None
+    return problem.part if model.placing is Placing.EVERYWHERE else None
 
 
 @dataclass(frozen=True)

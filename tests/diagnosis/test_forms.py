@@ -86,7 +86,7 @@ def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
     assert in_best_form(problem, trial_of(null, "denoise", ended)) is ended
 
 
-def test_forms_of_what_has_no_place_are_compared_on_a_part_of_the_field(monkeypatch):
+def test_forms_of_what_is_everywhere_are_compared_on_a_part_of_the_field(monkeypatch):
     point, windows = OperatingPoint(25.0, 1.0, 1.0), []
 
     def model(kind, seed, *more):
