@@ -86,9 +86,7 @@ def draw(folder: Path, structure: Structure | None, strength: float, seed: int =
                 mean += added
         for n in range(FRAMES):
             frame = np.random.default_rng([seed, n, int(temperature)])
-            # shot noise by its normal limit; the square root keeps small charges positive
-            root = np.sqrt(charge) + 0.5 * frame.standard_normal(SHAPE, np.float32)
-            dark = np.float32(GAIN) * root * root
+            dark = np.float32(GAIN) * frame.poisson(charge).astype(np.float32)
             noise = np.float32(READ) * frame.standard_normal(SHAPE, np.float32)
             codes = np.clip(np.rint(mean + dark + noise), 0, 4095).astype(np.uint16)
             np.save(folder / f"dark_{temperature:.0f}C_{exposure}s_{n}.npy", codes)
