@@ -23,7 +23,7 @@ def sentence(result: Any) -> str:
         return (
             "A classifier cannot tell the simulated frames from the measured ones "
             f"(AUC {spread}; control {_two(max(c.control for c in result.cells))})."
-            + _opposite([c for c in (*result.cells, *result.together) if c.reversed])
+            + _opposite(result)
         )
     at = where([c.point for c in result.cells], best.point)
     by = f" by the {named(result.telling[:MAX_NAMED])}" if result.telling else ""
@@ -33,14 +33,16 @@ def sentence(result: Any) -> str:
     )
 
 
-def _opposite(cells: Sequence[Any]) -> str:
+def _opposite(result: Any) -> str:
     """That the parts of the field differ from the model in opposite ways, where they do."""
+    cells = [c for c in (*result.cells, *result.together) if c.reversed]
     if not cells:
         return ""
     least = min(cells, key=lambda cell: cell.high)
+    at = where([c.point for c in result.cells], least.point)
     return (
-        f" An AUC of {_two(least.auc)} is below chance: in the {least.name}, the two parts of the "
-        "field on which it learns and is tested differ from the model in opposite ways."
+        f" In the {least.name}{at} the AUC of {_two(least.auc)} is below chance: the two parts of "
+        "the field on which it is trained and tested differ from the model in opposite ways."
     )
 
 

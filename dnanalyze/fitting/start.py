@@ -55,7 +55,7 @@ def _paper(m: Moments) -> NoiseModel:
     square = m.signal**2 * np.exp(spread**2)
     sigma = np.sqrt(np.maximum(m.temporal, 1e-6) / (9.0 * square))
     base = built_in()[BASE](  # type: ignore[call-arg]
-        mu=_table(m.points, _within_bounds(np.log(m.signal) - spread**2 / 2)),
+        mu=_table(m.points, _mu(m.signal, spread)),
         delta=_table(m.points, spread),
         phi=_table(m.points, np.full(len(m.points), 2e-3)),
         sigma=_table(m.points, np.clip(sigma, 1e-5, 1e5)),
@@ -64,10 +64,10 @@ def _paper(m: Moments) -> NoiseModel:
     return NoiseModel((base,), m.pedestal, m.reference)
 
 
-def _within_bounds(mu: np.ndarray) -> np.ndarray:
-    """mu as far as the log-normal seed takes it: of signals of some hundred thousand DN, less."""
-    info = built_in()[BASE].parameters()["mu"]
-    return np.clip(mu, info.lower, info.upper)
+def _mu(mean: np.ndarray, spread: np.ndarray | float) -> np.ndarray:
+    """mu of log-normal seeds of these means, DN, within its bounds (e^12 DN)."""
+    known = built_in()[BASE].parameters()["mu"]
+    return np.clip(np.log(mean) - spread**2 / 2, known.lower, known.upper)
 
 
 def baseline_by_moments(
@@ -102,7 +102,7 @@ def baseline_by_moments(
     lit = [i for i, p in enumerate(m.points) if p.exposure_s is None or p.exposure_s > 0]
     reference = m.reference
     rate = m.signal / np.array([p.exposure_over(reference) or 1.0 for p in m.points])
-    mu = _within_bounds(np.log(np.maximum(rate, 1e-4)) - delta**2 / 2)
+    mu = _mu(np.maximum(rate, 1e-4), delta)
     rows = _by_temperature(m.points, mu, lit)
     base = known[BASE](mu=rows, delta=delta, phi=1e-3, sigma=1e-6)  # type: ignore[call-arg]
     effects = (

@@ -6,6 +6,9 @@ import pytest
 
 from dnanalyze.classifier.result import Cell
 from dnanalyze.classifier.words import sentence
+from dnanalyze.loaders.captures import OperatingPoint
+
+POINT = OperatingPoint(20.0, 0.1)
 
 
 def result(*cells):
@@ -16,7 +19,7 @@ def result(*cells):
 
 
 def cell(name, auc, half, control=0.5, confirmed=False):
-    return Cell(None, "mean", name, auc, auc - half, auc + half, control, confirmed)
+    return Cell(POINT, "mean", name, auc, auc - half, auc + half, control, confirmed)
 
 
 def test_areas_at_chance_say_that_the_frames_are_not_told():
@@ -31,8 +34,8 @@ def test_an_area_below_chance_is_a_difference_that_is_reversed_over_the_field():
     told = cell("single frame", 0.53, 0.03), cell("tall strips", 0.22, 0.04, control=0.48)
     assert [c.reversed for c in told] == [False, True]
     said = sentence(result(*told))
-    assert "(AUC .22 to .53; control .50). An AUC of .22 is below chance" in said
-    assert "in the tall strips" in said
+    assert "(AUC .22 to .53; control .50). In the tall strips" in said
+    assert "the AUC of .22 is below chance" in said
     assert said.endswith("differ from the model in opposite ways.")
 
 

@@ -68,16 +68,22 @@ def test_forms_are_tried_while_replicates_reject_a_model_whose_error_is_below_1(
     assert FittedModel.of(problem, ended).adequate
 
 
+def filtered(kind, seed, *more):
+    """A sensor with a spatial filter."""
+    effects = ReadNoise(4.0), PixelFpn(2.0), Quantization(12), Denoise(kind=kind), *more
+    return NoiseModel(effects, 64.0, OperatingPoint(25.0, 1.0, 1.0), seed)
+
+
+def of_median(shape):
+    """Eight frames of a sensor with a median filter; the model with it is right."""
+    model = filtered("median", 1)
+    captures = simulate(model, shape, [(model.reference, 8)])
+    return fit_problem(design(captures)).weighted(0.0)
+
+
 def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
-    point = OperatingPoint(25.0, 1.0, 1.0)
-
-    def model(kind, seed):
-        effects = ReadNoise(4.0), PixelFpn(2.0), Quantization(12), Denoise(kind=kind)
-        return NoiseModel(effects, 64.0, point, seed)
-
-    captures = simulate(model("median", 1), (128, 128), [(point, 8)])
-    problem = fit_problem(design(captures)).weighted(0.0)  # the model with a median is right
-    begun = model("gaussian", 2)
+    problem = of_median((128, 128))
+    begun = filtered("gaussian", 2)
     null = FittedModel(problem, start(problem, begun.without("denoise"), []))
     found = trial_of(null, "denoise", start(problem, begun))
     ended = in_best_form(problem, found)
@@ -87,11 +93,7 @@ def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
 
 
 def test_forms_of_what_is_everywhere_are_compared_on_a_part_of_the_field(monkeypatch):
-    point, windows = OperatingPoint(25.0, 1.0, 1.0), []
-
-    def model(kind, seed, *more):
-        effects = ReadNoise(4.0), PixelFpn(2.0), Quantization(12), Denoise(kind=kind), *more
-        return NoiseModel(effects, 64.0, point, seed)
+    windows = []
 
     def several(self, models):
         windows.extend([self.plan.windows] * len(models))
@@ -99,8 +101,7 @@ def test_forms_of_what_is_everywhere_are_compared_on_a_part_of_the_field(monkeyp
 
     simulated = FitProblem.several
     monkeypatch.setattr(designs, "PART_FROM_PIXELS", 0)
-    problem = fit_problem(design(simulate(model("median", 1), (256, 128), [(point, 8)])))
-    problem = problem.weighted(0.0)  # the model with a median is right
+    problem = of_median((256, 128))
     monkeypatch.setattr(FitProblem, "several", several)
 
     def best(begun):
@@ -109,27 +110,20 @@ def test_forms_of_what_is_everywhere_are_compared_on_a_part_of_the_field(monkeyp
         windows.clear()
         return in_best_form(problem, found), found.state
 
-    ended, begun = best(model("gaussian", 2))
+    ended, begun = best(filtered("gaussian", 2))
     assert ended.model.get("denoise").kind == "median"
     assert ended.loss < begun.loss
     assert len(ended.train) == len(problem.train.keys)
     whole = windows.count(problem.plan.windows)
     assert windows.count(problem.part.plan.windows) == len(windows) - whole > whole > 0
-    best(model("gaussian", 2, AmpGlow(1.0)))  # the part does not show a glow as the whole does
+    best(filtered("gaussian", 2, AmpGlow(1.0)))  # the part does not show a glow as the whole does
     assert windows[0] == problem.plan.windows
 
 
 def test_another_form_is_refitted_though_the_derivatives_of_this_one_promise_nothing_of_it():
     """Fitted to a median filter, a Gaussian one takes other strengths and noise with it."""
-    point = OperatingPoint(25.0, 1.0, 1.0)
-
-    def model(kind, seed):
-        effects = ReadNoise(4.0), PixelFpn(2.0), Quantization(12), Denoise(kind=kind)
-        return NoiseModel(effects, 64.0, point, seed)
-
-    captures = simulate(model("median", 1), (256, 128), [(point, 8)])
-    problem = fit_problem(design(captures)).weighted(0.0)
-    begun = model("gaussian", 2)
+    problem = of_median((256, 128))
+    begun = filtered("gaussian", 2)
     null = FittedModel(problem, start(problem, begun.without("denoise"), []))
     found = trial_of(null, "denoise", minimise(problem, start(problem, begun)))
     assert found.state.model.get("denoise").strength < 0.9

@@ -129,6 +129,6 @@ class SerialNoise(ReadoutEffect):
 
 
 def _fast_length(shortest: int) -> int:
-    """The smallest of 2^n and 3 2^n, n > 1, that is no less: even, with a fast FFT."""
+    """The smallest of 2^n and 3 2^n, n > 0, that is no less: even, with a fast FFT."""
     power = max(8, 1 << (shortest - 1).bit_length())
     return 3 * power // 4 if 3 * power // 4 >= shortest else power

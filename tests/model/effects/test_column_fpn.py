@@ -15,6 +15,13 @@ def offsets(effect, **more):
     return d[0, 0]
 
 
+def settling_clues(profile, column, **more):
+    """Clues with these means of the columns, and more power of columns than the model has."""
+    profiles = {"columns": [profile], "places": [column]}
+    shape = 256, column.size
+    return line_clues("pattern_columns", 50.0, 3.0, shape, 9.0, profiles=profiles, **more)
+
+
 def test_columns_scatter_by_sigma_and_stay():
     c = offsets(ColumnFpn(2.0))
     assert c.var() == pytest.approx(4.0, rel=5 * np.sqrt(2 / c.size))
@@ -90,12 +97,7 @@ def test_guess_reads_a_settling_level_off_the_columns(first, margin):
     column = np.arange(margin, 512 + margin)
     away = column if first == "left" else 1023 - column
     profile = 30.0 * np.exp(-away / 90.0) + 0.3 * np.random.default_rng(4).standard_normal(512)
-    names = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
-    clues = Given(
-        (256, 512), seen=dict.fromkeys(names, 50.0), model=dict.fromkeys(names, 3.0),
-        off=dict.fromkeys(names, 9.0), whole=(256, 1024),
-        profiles={"columns": [profile], "places": [column]},
-    )  # fmt: skip
+    clues = settling_clues(profile, column, whole=(256, 1024))
     (effect,) = ColumnFpn.guess(clues)
     if first == "right":  # 512 columns off it is e^(-5.7) of its start, below the noise
         assert effect.settle == 0.0
@@ -109,12 +111,7 @@ def test_a_transient_that_begins_far_outside_the_window_is_within_its_bounds():
     column = np.arange(300, 812)
     profile = -3000.0 * np.exp(-(column - 300) / 60.0)  # e^5 times that at column 0
     profile += np.random.default_rng(5).standard_normal(512)
-    names = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
-    clues = Given(
-        (256, 512), seen=dict.fromkeys(names, 50.0), model=dict.fromkeys(names, 3.0),
-        off=dict.fromkeys(names, 9.0), whole=(256, 1024),
-        profiles={"columns": [profile], "places": [column]},
-    )  # fmt: skip
+    clues = settling_clues(profile, column, whole=(256, 1024))
     (effect,) = ColumnFpn.guess(clues)
     assert effect.settle == -10_000.0
 
@@ -123,11 +120,7 @@ def test_where_a_transient_leaves_much_both_forms_are_guessed():
     column = np.arange(512)
     rng = np.random.default_rng(3)
     profile = 7.0 * np.exp(-column / 60.0) + np.repeat(rng.standard_normal(64), 8)
-    names = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
-    clues = Given(
-        (256, 512), seen=dict.fromkeys(names, 50.0), model=dict.fromkeys(names, 3.0),
-        off=dict.fromkeys(names, 9.0), profiles={"columns": [profile]},
-    )  # fmt: skip
+    clues = settling_clues(profile, column)
     scattered, settling = ColumnFpn.guess(clues)
     assert scattered.settle == 0.0 < settling.settle
 
@@ -137,11 +130,7 @@ def test_a_second_edge_is_guessed_where_there_is_one(edge):
     column = np.arange(768)
     profile = 30.0 * np.exp(-column / 20.0) + edge * np.exp(-(767 - column) / 50.0)
     profile += 0.5 * np.random.default_rng(5).standard_normal(768)
-    names = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
-    clues = Given(
-        (256, 768), seen=dict.fromkeys(names, 50.0), model=dict.fromkeys(names, 3.0),
-        off=dict.fromkeys(names, 9.0), profiles={"columns": [profile]},
-    )  # fmt: skip
+    clues = settling_clues(profile, column)
     (effect,) = ColumnFpn.guess(clues)
     found = {"left": (effect.settle, effect.length), "right": (effect.edge, effect.edge_length)}
     if effect.first == "right":
@@ -168,12 +157,9 @@ def test_transients_are_guessed_beside_a_bowl_that_the_model_has():
     column = np.arange(768)
     profile = 30.0 * np.exp(-column / 20.0) + 40.0 * np.linspace(-1.0, 1.0, 768) ** 2
     profile += 0.5 * np.random.default_rng(6).standard_normal(768)
-    names = [f"pattern_columns_{b}" for b in ("0_0.02", "0.02_0.1", "0.1_0.3", "0.3_0.5")]
-    clues = Given(
-        (256, 768), seen=dict.fromkeys(names, 50.0) | {"shading_2_0": 12.0},
-        model=dict.fromkeys(names, 3.0) | {"shading_2_0": 12.0},
-        off=dict.fromkeys(names, 9.0), profiles={"columns": [profile]},
-    )  # fmt: skip
+    clues = settling_clues(profile, column)
+    for of in (clues.seen, clues.model):
+        of["shading_2_0"] = 12.0
     effect = ColumnFpn.guess(clues)[-1]
     assert (effect.settle, effect.length) == pytest.approx((30.0, 20.0), rel=0.25)
     assert effect.first == "left"

@@ -134,7 +134,7 @@ def test_equal_points_have_equal_noise_however_they_are_typed():
 
 def test_numpy_has_every_function_that_an_effect_calls():
     for name in EFFECTS:
-        assert compile(numpy_source(NoiseModel((EFFECTS[name](),), 64.0)), name, "exec")
+        compile(numpy_source(NoiseModel((EFFECTS[name](),), 64.0)), name, "exec")  # or it raises
 
 
 @pytest.mark.long
