@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 
 from dnanalyze.comparator.predictive_check import FittedModel, error_of
 from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased, without_biased
 from dnanalyze.diagnosis.score_test import informative, restricted
-from dnanalyze.diagnosis.selection import LEAST_GAIN, REFITS, Trial
+from dnanalyze.diagnosis.selection import EVIDENCE_NULL, LEAST_GAIN, REFITS, Trial
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.changes import part_for
+from dnanalyze.fitting.changes import part_without
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise, within_reach
@@ -48,42 +49,40 @@ def completed(problem: FitProblem, found: Trial) -> State:
 
 
 def in_best_form(problem: FitProblem, found: Trial) -> State:
-    """The state, or a better one with another form of the effect, from a part of the field.
-
-    Of a model of effects that are everywhere the part tells which form is the best; that is then
-    fitted to the whole.
-    """
-    part = part_for(problem, found.state.model)
-    if part is None:
-        return _best_form_on(problem, found)
-    part = part.scaled_as(problem)
-    near = carried(found.state, problem, part)
-    best = _best_form_on(part, replace(found, state=near))
-    if best is near:
-        return found.state
-    return preferred(found.state, minimise(problem, carried(best, part, problem), FIT_STEPS))
-
-
-def _best_form_on(problem: FitProblem, found: Trial) -> State:
     """The state, or a better one with another form of the effect.
 
     Other choices of the effect, other strengths, and its other first guesses are simulated once;
-    the ones that may be better (see `_promising`) are refitted.
+    the ones that may be better (see `_promising`) are refitted. Of a model without a place a part
+    of the field rules out most: refitted to that, they end above the best of all.
     """
+    part = part_without(problem, found.state.model)
+    if part is None:
+        return reduce(preferred, _refitted(problem, found), found.state)
+    near = replace(found, state=carried(found.state, problem, part))
+    better, ended = found.state, _refitted(part, near)
+    least = min(state.loss for state in (near.state, *ended))
+    reach = least + EVIDENCE_NULL * max(1.0, least / len(near.state.train))
+    for state in sorted(ended, key=lambda state: state.loss):
+        if state.loss <= reach:
+            begun = carried(state, part, problem)
+            better = preferred(better, minimise(problem, begun, FIT_STEPS, below=better.loss))
+    return better
+
+
+def _refitted(problem: FitProblem, found: Trial) -> list[State]:
+    """Other forms of the effect of a trial, each refitted while it may be better than the last."""
     state = found.state
     known = {found.effect, *state.model.names}
     noise = least_noise(problem)
     forms = [g.model for g in found.others if set(g.model.names) == known]
     forms += _forms(state.model, found.effect, noise)
     strengths = other_strengths(state.model, found.effect, noise)
-    better = state
+    better, made = state, []
     for model in _promising(problem, state, forms, list(strengths))[:REFITS]:
-        other = start(problem, model, like=state)
-        ended = minimise(
-            problem, without_biased(problem, other, found.effect), FIT_STEPS, below=better.loss
-        )
-        better = preferred(better, ended)
-    return better
+        begun = without_biased(problem, start(problem, model, like=state), found.effect)
+        made.append(minimise(problem, begun, FIT_STEPS, below=better.loss))
+        better = preferred(better, made[-1])
+    return made
 
 
 def _promising(

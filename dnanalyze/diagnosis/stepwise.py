@@ -212,7 +212,7 @@ class Search:
         """The starting model, and that with baseline effects and steps that a part decides.
 
         Both are stated for the part, where there is one, with their errors on the whole field; the
-        second is then fitted to that.
+        second is then fitted to that, unless it is far off.
         """
         part = self.problem.part
         if part is None:
@@ -225,7 +225,8 @@ class Search:
         if found.state is begun.state:
             return begun, replace(found, state=state)
         there = carried(found.state, coarse.problem, self.problem)
-        return begun, self._converged(replace(found, state=there, converged=False))
+        found = replace(found, state=there, converged=False)
+        return begun, found if far_off(there) else self._converged(found)
 
     def _begun(self, state: State) -> Path:
         """The starting model, noted and kept; whatever the time, since it is the least answer."""
@@ -277,7 +278,7 @@ class Search:
                 lower = self._at_home(lower, null)
                 path = self._at_its_optimum(replace(path, state=lower, converged=False))
                 continue
-            if not path.converged and (best is None or not beyond_doubt(best, path.tried)):
+            if not path.converged and not self._decided(path):
                 path = self._at_its_optimum(path)
                 if not FittedModel.of(self.problem, path.state).adequate:
                     continue  # what is left may be another effect
@@ -295,6 +296,12 @@ class Search:
                 return self._converged(path)
             path = self._with(path, null, best, path.error)
         return self._converged(replace(path, tried=(), best=None))
+
+    def _decided(self, path: Path) -> bool:
+        """Whether the best candidate is added to a model that is not at its optimum."""
+        if path.best is None:
+            return False
+        return far_off(path.state) or beyond_doubt(path.best, path.tried)
 
     def _at_its_optimum(self, path: Path) -> Path:
         """`_converged`; the candidates so far are the first to be tested beside it.

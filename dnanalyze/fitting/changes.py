@@ -18,6 +18,17 @@ def part_for(problem: FitProblem, model: NoiseModel) -> FitProblem | None:
     return problem.part if model.placing is Placing.EVERYWHERE else None
 
 
+def part_without(problem: FitProblem, model: NoiseModel) -> FitProblem | None:
+    """The part of the field by which a model without a place may be ruled out; None with one.
+
+    In the units of the whole. Few pixels are too few there to name what they have, but a model that
+    is far from the captures is far from a quarter of them.
+    """
+    if problem.part is None or model.placing is Placing.SOMEWHERE:
+        return None
+    return problem.part.scaled_as(problem)
+
+
 @dataclass(frozen=True)
 class Changes:
     """Change of the predictions of the fitted half with the model.

@@ -124,9 +124,9 @@ def design(
     if shrink < 1.0:
         seen = surveyed(captures, thinned)
         around = placed(seen, (rows, cols), around.shape, step, _period(captures.sensor))
-    top, left = around.top, around.left
-    train = Window(top, top + half, left, left + wide)
-    test = Window(around.bottom - half, around.bottom, left, left + wide)
+        half = around.shape[0] // 2
+    train = replace(around, bottom=around.top + half)
+    test = replace(around, top=around.bottom - half)
     counts = tuple(members[s.point] for s in thinned)
     return Design(replace(captures, settings=thinned), train, test, captures, unit, counts)
 

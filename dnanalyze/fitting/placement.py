@@ -18,6 +18,8 @@ from dnanalyze.robust import robust_deviation
 from dnanalyze.significance import UNLIKELY
 
 FRAMES = 2  # of an operating point; block means repeat to 1/45 of the noise of a pixel
+# Columns of a window of all rows: 8 blocks of `BLOCK`, by which cosines of 4 orders are told.
+LEAST = 256
 
 
 def surveyed(captures: CaptureSet, chosen: Sequence[Setting]) -> list[FieldProfile]:
@@ -40,7 +42,10 @@ def placed(
     step: int,
     period: int = 1,
 ) -> Window:
-    """The window of a size with most structure; that in the middle where none stands out.
+    """The window of an area with most structure; that in the middle where none stands out.
+
+    It has the aspect ratio of the field, or all its rows where most of the structure are columns:
+    one that stands out by little is told by the mean of all its pixels.
 
     Also where that in the middle holds most of the field: what lies along a border, such as a few
     broken rows, is then held against the model by `whole_field`, and is not to weigh on the rest.
@@ -50,9 +55,9 @@ def placed(
     profiles : sequence of FieldProfile
         Of the measured field.
     shape, size : (int, int)
-        Of the field and of the window, (rows, columns).
+        Of the field and of a window of its aspect ratio, (rows, columns).
     step : int
-        Pixels on whose multiples a window begins.
+        Pixels on whose multiples a window begins; its columns are a multiple, its rows of two.
     period : int
         Of the colour filter.
 
@@ -64,7 +69,7 @@ def placed(
     -----
     Structure are the squares of block means about their median in the window, and of rows and
     columns about their neighbours, in standard deviations over the field, that exceed what chance
-    gives once in 100 fields.
+    gives once in 100 fields. A line counts by the share of it that lies in the window.
     """
     best, most = middle(shape, size, step), 0.0
     if 2 * size[0] * size[1] >= shape[0] * shape[1]:  # the error of the baseline of two CCDs of
@@ -73,7 +78,19 @@ def placed(
         found = sum(_structure(p, window, period) for p in profiles)
         if found > most:
             best, most = window, found
+    for window in _tried(shape, _all_rows(shape, size, step), step):
+        found = sum(_lines(p, "columns", window, period) for p in profiles)
+        if found > most:
+            best, most = window, found
     return best
+
+
+def _all_rows(shape: tuple[int, int], size: tuple[int, int], step: int) -> tuple[int, int]:
+    """The sides of a window of the same area that has all rows, or nearly so."""
+    area = size[0] * size[1]
+    rows = shape[0] // (2 * step) * (2 * step)
+    columns = min(size[1], max(LEAST, area // rows // step * step))
+    return min(rows, area // columns // (2 * step) * (2 * step)), columns
 
 
 def _tried(shape: tuple[int, int], size: tuple[int, int], step: int) -> Iterator[Window]:
@@ -106,13 +123,18 @@ def _at(
 
 def _structure(profile: FieldProfile, window: Window, period: int) -> float:
     own = profile.blocks_in(window)
-    found = 0.0
+    found = sum(_lines(profile, axis, window, period) for axis in ("rows", "columns"))
     if own.size:
         found += _excess(own - np.median(own), _roughness(profile.blocks), profile.blocks.size)
-    for axis, where in (("rows", window.slices[0]), ("columns", window.slices[1])):
-        lines = profile.lines(axis, period)
-        found += _excess(lines[where], robust_deviation(lines), lines.size)
     return found
+
+
+def _lines(profile: FieldProfile, axis: str, window: Window, period: int) -> float:
+    """Of the "rows" or "columns": each counts by the share of it that lies in the window."""
+    across, along = (0, 1) if axis == "rows" else (1, 0)
+    lines = profile.lines(axis, period)
+    share = window.shape[along] / (profile.rows.size, profile.columns.size)[along]
+    return share * _excess(lines[window.slices[across]], robust_deviation(lines), lines.size)
 
 
 def _roughness(blocks: np.ndarray) -> float:

@@ -18,8 +18,10 @@ from dnanalyze.fitting.design import Design
 from dnanalyze.fitting.level import NOISE
 from dnanalyze.fitting.placement import FRAMES
 from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model import bands
 from dnanalyze.model.noise_model import NoiseModel
-from dnanalyze.model.simulate import simulate
+from dnanalyze.model.simulator import Simulator
+from dnanalyze.processors import cpu_count
 from dnanalyze.robust import robust_deviation
 from dnanalyze.significance import UNLIKELY
 
@@ -145,14 +147,13 @@ def departures(plan: Design, model: NoiseModel) -> list[Departure]:
 
 def _differences(plan: Design, model: NoiseModel) -> Iterator[tuple[FieldProfile, OperatingPoint]]:
     """Measured less simulated, of each operating point."""
-    settings = [(s.point, min(len(s.frames), FRAMES)) for s in plan.captures.settings]
-    made = simulate(model.in_codes, plan.shape, settings, "whole field", plan.captures.sensor)
-    for measured, simulated in zip(plan.captures.settings, made.settings, strict=True):
-        count = len(simulated.frames)
-        seen, drawn = (
-            field_profile(f.read() for f in s.frames[:count]) for s in (measured, simulated)
-        )
-        yield seen.less(drawn), measured.point
+    field, threads = Window.whole(plan.shape), cpu_count()
+    for setting in plan.captures.settings:
+        point, frames = setting.point, setting.frames[:FRAMES]
+        simulator = Simulator(model.in_codes, plan.shape)  # its fixed fields go with the setting
+        seen = field_profile(f.read() for f in frames)
+        drawn = (bands.drawn(simulator, point, n, field, threads) for n in range(len(frames)))
+        yield seen.less(field_profile(drawn)), point
 
 
 def _beyond(

@@ -1,4 +1,4 @@
-"""Frames drawn in bands of rows: what a band needs stays in the cache; threads share a frame."""
+"""Frames drawn in bands of rows, which threads share."""
 
 from __future__ import annotations
 
@@ -9,26 +9,10 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
-from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.row_bands import band_rows, bands
 from dnanalyze.model.simulator import Simulator
 
-BAND_PIXELS = 1 << 19
-REACHES = 8  # a band has this many times the rows that its effects look beyond it
 AHEAD = 2  # frames begun before the first of them is asked for
-
-
-def bands(window: Window, rows: int) -> list[Window]:
-    """The window cut into bands of at most ``rows`` rows."""
-    return [
-        Window(top, min(top + rows, window.bottom), window.left, window.right)
-        for top in range(window.top, window.bottom, rows)
-    ]
-
-
-def band_rows(model: NoiseModel, columns: int) -> int:
-    """Rows of a band that stays in the cache, and mostly its own where effects look around."""
-    reach = sum(effect.margin() for effect in model.effects)
-    return max(BAND_PIXELS // columns, REACHES * reach, 1)
 
 
 def drawn(

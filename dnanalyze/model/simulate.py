@@ -14,6 +14,7 @@ from dnanalyze.loaders.captures import CaptureSet, Frame, OperatingPoint, Sensor
 from dnanalyze.model import bands
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.row_bands import band_rows
 from dnanalyze.model.simulator import Simulator, room
 from dnanalyze.processors import cpu_count
 
@@ -212,5 +213,5 @@ def simulate_frames(
     size = room(model, shape)
     simulator = Simulator(model, shape, Memo(size), Memo(size))
     threads = threads or cpu_count()
-    rows = rows or bands.band_rows(model, shape[1])
+    rows = rows or band_rows(model, shape[1])
     return bands.stream(simulator, point, numbers, threads, rows, bits)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +15,7 @@ from dnanalyze.model.effects.read_noise import ReadNoise
 from dnanalyze.model.laws import value_at
 from dnanalyze.model.memo import Memo
 from dnanalyze.model.noise_model import NoiseModel
+from dnanalyze.model.row_bands import band_rows, bands
 from dnanalyze.model.streams import Stream
 
 MAPS = 4  # fixed fields that an effect may keep
@@ -115,7 +116,7 @@ class Simulator:
 
         def calibration(n: int, warmer: float = 0.0) -> np.ndarray:
             there = self.model.reference_of(point.channel).warmer(warmer)
-            return self._after(count - 1, chain, there, n, Window.whole(self.shape))
+            return self._whole(count - 1, chain, there, n)
 
         signal = effect.apply(signal, self._site(effect, point, number, grown, calibration))
         if grown != window:
@@ -124,6 +125,15 @@ class Simulator:
         if effect.stage < Stage.PEDESTAL and last_before:
             signal = signal + np.float32(self._pedestal(point))
         return signal
+
+    def _whole(
+        self, count: int, chain: list[Effect], point: OperatingPoint, number: int
+    ) -> np.ndarray:
+        """`_after` of the whole field, band by band: of a large one none of its fields is kept."""
+        found, own = np.empty(self.shape, np.float32), replace(self, memo=Memo(0), _maps=Memo(0))
+        for band in bands(Window.whole(self.shape), band_rows(self.model, self.shape[1])):
+            found[band.slices] = own._after(count, chain, point, number, band)
+        return found
 
     def _level(self, window: Window, level: float) -> np.ndarray:
         """The signal before the first effect."""

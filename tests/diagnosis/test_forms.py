@@ -19,6 +19,7 @@ from dnanalyze.fitting.state import start
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.amp_glow import AmpGlow
 from dnanalyze.model.effects.denoise import Denoise
+from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
 from dnanalyze.model.effects.quantization import Quantization
 from dnanalyze.model.effects.read_noise import ReadNoise
@@ -92,7 +93,7 @@ def test_the_kind_of_a_filter_is_that_of_the_lowest_loss():
     assert in_best_form(problem, trial_of(null, "denoise", ended)) is ended
 
 
-def test_forms_of_what_is_everywhere_are_compared_on_a_part_of_the_field(monkeypatch):
+def test_forms_of_what_has_no_place_are_compared_on_a_part_of_the_field(monkeypatch):
     windows = []
 
     def several(self, models):
@@ -116,6 +117,9 @@ def test_forms_of_what_is_everywhere_are_compared_on_a_part_of_the_field(monkeyp
     assert len(ended.train) == len(problem.train.keys)
     whole = windows.count(problem.plan.windows)
     assert windows.count(problem.part.plan.windows) == len(windows) - whole > whole > 0
+    few, _ = best(filtered("gaussian", 2, HotPixels(0.001)))  # the part rules other kinds out
+    assert few.model.get("denoise").kind == "median"
+    assert windows[0] == problem.part.plan.windows
     best(filtered("gaussian", 2, AmpGlow(1.0)))  # the part does not show a glow as the whole does
     assert windows[0] == problem.plan.windows
 

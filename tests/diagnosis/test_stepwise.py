@@ -323,6 +323,23 @@ def test_what_is_far_off_is_searched_on_a_part_and_confirmed_on_the_whole(far, m
     assert told[1].confidence > 0.9
 
 
+def test_a_model_that_is_far_off_is_not_brought_to_its_optimum_first(far, problem, null):
+    """The next effect moves all that is fitted there."""
+    state = fitted(far)
+    for name in BASELINE:
+        state = start(far, state.model.without(name))
+    begun, path = Search(far, {})._on_part(state, ())
+    assert [s.added for s in begun.steps] == [None]
+    assert {s.added for s in path.steps} == {None, *BASELINE}
+    assert far_off(path.state)
+    assert not path.converged
+    search = Search(problem, {})
+    found = trial(null, 2.0 * EVIDENCE_ODDS_10)
+    assert search._decided(Path(path.state, tried=(found,), best=found))
+    assert not search._decided(Path(path.state))
+    assert not search._decided(Path(fitted(problem, RowFpn(1.0)), tried=(found,), best=found))
+
+
 def test_a_search_without_time_keeps_the_start_with_its_error_on_the_whole_field(far):
     begun, kept = fitted(far), []
     timed = far.within(TimeLimit.after(1e-9))

@@ -42,6 +42,20 @@ def test_structure_is_looked_for_where_it_is(place, wanted):
     assert window.top % 2 == window.left % 2 == 0
 
 
+def test_a_column_that_stands_out_by_little_is_seen_with_all_its_pixels():
+    shape, size = (1200, 800), (600, 600)
+    rng = np.random.default_rng(7)
+    frames = [100.0 + rng.normal(0.0, 3.0, shape) for _ in range(2)]
+    for frame in frames:
+        frame[:, 701] += 0.5  # 8 standard deviations of a mean of 1200 pixels
+    window = placed([field_profile(frames)], shape, size, 2)
+    assert window.shape == (1200, 300)
+    assert window.left <= 701 < window.right
+    for frame in frames:
+        frame[:64, :64] += 3.0  # a window of all rows would hold less of what it is among
+    assert placed([field_profile(frames)], shape, size, 2).shape == size
+
+
 def test_a_window_of_most_of_the_field_is_that_in_the_middle():
     structure = np.zeros(SHAPE)
     structure[508:] = 300.0

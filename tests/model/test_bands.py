@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from dnanalyze.loaders.captures import OperatingPoint, Window
-from dnanalyze.model.bands import band_rows, bands
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import built_in
 from dnanalyze.model.simulate import simulate, simulate_frames
@@ -47,13 +46,6 @@ def test_a_simulated_capture_does_not_depend_on_threads():
         np.testing.assert_array_equal(a.read(), b.read())
         part = Window(11, 50, 7, 80)
         np.testing.assert_array_equal(a.read(part), b.read(part))
-
-
-def test_bands_cover_the_window_once_and_are_wider_than_what_effects_look_beyond():
-    window = Window(3, 40, 5, 9)
-    assert bands(window, 16) == [Window(3, 19, 5, 9), Window(19, 35, 5, 9), Window(35, 40, 5, 9)]
-    model = NoiseModel((built_in()["denoise"](),))
-    assert band_rows(model, 1 << 24) >= 8 * model.effects[0].reach
 
 
 def test_few_bits_are_bytes_within_their_range():

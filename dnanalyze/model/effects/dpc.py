@@ -144,13 +144,21 @@ class Dpc(Effect):
 
         def make() -> np.ndarray:
             warmer = self.value("warmer", site.reference)
-            frames = [site.calibration(-1 - n, warmer) for n in range(_CALIBRATION_FRAMES)]
-            steady = np.minimum.reduce(frames)  # what is bright once only is not on the list
+            steady = site.calibration(-1, warmer)
+            for n in range(1, _CALIBRATION_FRAMES):  # what is bright once only is not on the list
+                np.minimum(steady, site.calibration(-1 - n, warmer), out=steady)
             count = round(self.value("fraction", site.reference) * steady.size)
-            listed = np.zeros(steady.size, bool)
-            if count:
-                listed[np.argsort(-steady.reshape(-1), kind="stable")[:count]] = True
-            return np.packbits(listed)
+            return np.packbits(_brightest(steady.reshape(-1), count))
 
         whole = np.unpackbits(site.share("list", make), count=site.shape[0] * site.shape[1])
         return whole.reshape(site.shape)[site.window.slices].astype(bool)
+
+
+def _brightest(values: np.ndarray, count: int) -> np.ndarray:
+    """Where so many values are the largest; of equal ones the first."""
+    if count == 0:
+        return np.zeros(values.size, bool)
+    least = np.partition(values, values.size - count)[values.size - count]
+    found = values > least
+    found[np.flatnonzero(values == least)[: count - np.count_nonzero(found)]] = True
+    return np.asarray(found)

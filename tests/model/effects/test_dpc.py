@@ -2,12 +2,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from readout_bench import POINT, Given, frames
 from scipy import ndimage
 
 from dnanalyze.loaders.captures import OperatingPoint
 from dnanalyze.model.effects.convolved_lognormal import ConvolvedLognormal
-from dnanalyze.model.effects.dpc import Dpc
+from dnanalyze.model.effects.dpc import Dpc, _brightest
 from dnanalyze.model.effects.hot_pixels import HotPixels
 from dnanalyze.model.effects.missing_codes import MissingCodes
 from dnanalyze.model.effects.pixel_fpn import PixelFpn
@@ -237,3 +239,11 @@ def test_the_guess_takes_the_list_for_one_of_the_warmest_setting():
     points = tuple(OperatingPoint(t, 1.0, 1.0) for t in (15.0, 25.0, 65.0))
     clues = Given(points=points, off={"hot_count_16": [-9.0] * 3})
     assert {effect.warmer for effect in Dpc.guess(clues)} == {40.0}
+
+
+@given(st.lists(st.integers(0, 5), min_size=1, max_size=40), st.data())
+def test_the_list_has_the_brightest_pixels_and_of_equal_ones_the_first(values, data):
+    count = data.draw(st.integers(0, len(values)))
+    ranks = sorted(range(len(values)), key=lambda n: (-values[n], n))
+    found = _brightest(np.array(values, np.float32), count)
+    assert set(np.flatnonzero(found)) == set(ranks[:count])
