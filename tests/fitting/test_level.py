@@ -101,6 +101,15 @@ def test_a_level_beyond_the_laws_may_be_off_by_twice_that(shift, wanted):
     assert problem.bounds()[[0, 1, 2, 4, 5]] == pytest.approx(2.0, rel=0.2)
 
 
+def test_levels_of_colour_planes_that_are_apart_may_be_off_by_twice_that():
+    """Errors of 1 DN; one law of black level and dark signal reaches one level."""
+    keys = tuple(Key(0, plane, "median") for plane in ("R", "Gr", "Gb", "B"))
+    values = np.array([99.0, 101.0, 110.0, 94.0])  # 100 in the median
+    problem = Target(keys, values, values, np.ones(4), np.full(4, "level"))
+    found = allowed(problem, DarkSignals(np.zeros(4), np.zeros(4)), [OperatingPoint(20.0, 0.1)])
+    assert replace(problem, allowed=found).bounds() == pytest.approx([2.0, 2.0, 20.0, 12.0])
+
+
 @pytest.mark.parametrize(("overdispersion", "bound"), [(0.5, 2.0), (1.0, 2.0), (16.0, 0.5)])
 def test_what_is_wrong_with_a_model_narrows_the_bounds_of_its_levels(overdispersion, bound):
     """By its root, as it does for all that binds a fit; what a level may be off anyway stays."""
