@@ -305,20 +305,24 @@ def _from_guess(problem: FitProblem, guess: Guess, like: State, wanted: float) -
 def _begun(problem: FitProblem, guess: Guess, like: State) -> State:
     """A guess simulated, at a lower strength where the statistics want less than half of it.
 
-    A refit that begins far beyond does not come back. A guess that comes with corrected nuisance
-    parameters begins as it is, since these go with its strength.
+    A refit that begins far beyond does not come back. Nor does one that begins where the effect
+    hardly shows: a strength along whose change the least loss is no lower is not taken. A guess
+    that comes with corrected nuisance parameters begins as it is, since these go with its strength.
     """
     begun = start(problem, guess.model, like=like)
     if guess.model.without(guess.effect) != like.model:
         return begun
+    least = along(like, like.train - begun.train)
     for _ in range(STARTS):
         effect = begun.model.get(guess.effect)
-        share = along(like, like.train - begun.train).share
-        if effect is None or share >= 0.5:  # half and twice a strength are forms (`forms`)
+        if effect is None or least.share >= 0.5:  # half and twice a strength are forms (`forms`)
             break
-        weaker = at_factor(effect, max(share, WEAKER))
+        weaker = at_factor(effect, max(least.share, WEAKER))
         if weaker is None:
             break
-        model = begun.model.with_effect(weaker)
-        begun = start(problem, model, like=like)
+        lower = start(problem, begun.model.with_effect(weaker), like=like)
+        found = along(like, like.train - lower.train)
+        if found.loss >= least.loss:
+            break
+        begun, least = lower, found
     return begun

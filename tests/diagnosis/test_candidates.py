@@ -10,6 +10,8 @@ from dnanalyze.comparator.predictive_check import FittedModel
 from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
 from dnanalyze.diagnosis.candidates import (
     GAIN_OVER_PROMISE,
+    WEAKER,
+    _begun,
     _refits,
     candidates_of,
     refitted,
@@ -19,7 +21,7 @@ from dnanalyze.diagnosis.candidates import (
 )
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
-from dnanalyze.diagnosis.score_test import Guess
+from dnanalyze.diagnosis.score_test import Guess, Least
 from dnanalyze.diagnosis.selection import (
     EVIDENCE_DECISIVE,
     EVIDENCE_NULL,
@@ -99,6 +101,16 @@ def test_a_refit_begins_at_the_strength_that_the_statistics_want(null, times):
     ended = refitted(null.problem, guess, null.state)
     assert ended.loss < null.state.loss
     assert ended.model.get("column_fpn").sigma == pytest.approx(own.sigma, rel=0.15)
+
+
+@pytest.mark.parametrize(("losses", "steps"), [((5.0, 6.0), 0), ((5.0, 4.0, 6.0), 1)])
+def test_a_refit_does_not_begin_at_a_strength_that_explains_less(null, losses, steps, monkeypatch):
+    """Of the line of change the statistics want a tenth, whatever the strength."""
+    made = iter([Least(loss, 0.1) for loss in losses])
+    monkeypatch.setattr("dnanalyze.diagnosis.candidates.along", lambda *_: next(made))
+    guess = Guess("column_fpn", null.state.model.with_effect(ColumnFpn(30.0)), 1.0)
+    begun = _begun(null.problem, guess, null.state).model.get("column_fpn").sigma
+    assert begun == pytest.approx(30.0 * WEAKER**steps, rel=1e-3)
 
 
 def test_plain_cases_are_settled_by_one_refit_of_what_is_everywhere(null):
