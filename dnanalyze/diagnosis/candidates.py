@@ -28,7 +28,7 @@ from dnanalyze.diagnosis.selection import (
     significant,
     standings,
 )
-from dnanalyze.fitting.changes import part_for, part_without
+from dnanalyze.fitting.changes import part_for, screening_part
 from dnanalyze.fitting.derivatives import GROWTH, derive
 from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise
@@ -176,7 +176,7 @@ def as_sensors(null: FittedModel, guesses: Sequence[Guess], found: Trial) -> Tri
     """
     problem, made = null.problem, []
     for guess in (guesses[0], *_of_other_kinds(guesses)):
-        part = part_without(problem, guess.model)
+        part = screening_part(problem, guess.model)
         if part is not None and not _differ_as_much(part, start(part, guess.model)):
             continue
         begun = start(problem, guess.model, like=null.state)

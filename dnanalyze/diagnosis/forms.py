@@ -14,7 +14,7 @@ from dnanalyze.diagnosis.nuisance import least_noise, other_strengths, unbiased,
 from dnanalyze.diagnosis.score_test import informative, restricted
 from dnanalyze.diagnosis.selection import EVIDENCE_NULL, LEAST_GAIN, REFITS, Trial
 from dnanalyze.errors import InputError
-from dnanalyze.fitting.changes import part_without
+from dnanalyze.fitting.changes import screening_part
 from dnanalyze.fitting.free_parameters import free_parameters
 from dnanalyze.fitting.from_part import FIT_STEPS
 from dnanalyze.fitting.least_squares import minimise, within_reach
@@ -55,7 +55,7 @@ def in_best_form(problem: FitProblem, found: Trial) -> State:
     the ones that may be better (see `_promising`) are refitted. Of a model without a place a part
     of the field rules out most: refitted to that, they end above the best of all.
     """
-    part = part_without(problem, found.state.model)
+    part = screening_part(problem, found.state.model)
     if part is None:
         return reduce(preferred, _refitted(problem, found), found.state)
     near = replace(found, state=carried(found.state, problem, part))

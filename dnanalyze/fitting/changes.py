@@ -18,11 +18,11 @@ def part_for(problem: FitProblem, model: NoiseModel) -> FitProblem | None:
     return problem.part if model.placing is Placing.EVERYWHERE else None
 
 
-def part_without(problem: FitProblem, model: NoiseModel) -> FitProblem | None:
-    """The part of the field by which a model without a place may be ruled out; None with one.
+def screening_part(problem: FitProblem, model: NoiseModel) -> FitProblem | None:
+    """The part of the field on which a model may be ruled out; None of a model that has a place.
 
-    In the units of the whole. Few pixels are too few there to name what they have, but a model that
-    is far from the captures is far from a quarter of them.
+    By the reproducibility SDs of the whole. Effects in few pixels are not named there, but a model
+    that is far from the captures is far from a quarter of them.
     """
     if problem.part is None or model.placing is Placing.SOMEWHERE:
         return None

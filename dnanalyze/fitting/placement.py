@@ -19,7 +19,7 @@ from dnanalyze.significance import UNLIKELY
 
 FRAMES = 2  # of an operating point; block means repeat to 1/45 of the noise of a pixel
 # Columns of a window of all rows: 8 blocks of `BLOCK`, by which cosines of 4 orders are told.
-LEAST = 256
+LEAST_COLUMNS = 256
 
 
 def surveyed(captures: CaptureSet, chosen: Sequence[Setting]) -> list[FieldProfile]:
@@ -89,7 +89,7 @@ def _all_rows(shape: tuple[int, int], size: tuple[int, int], step: int) -> tuple
     """The sides of a window of the same area that has all rows, or nearly so."""
     area = size[0] * size[1]
     rows = shape[0] // (2 * step) * (2 * step)
-    columns = min(size[1], max(LEAST, area // rows // step * step))
+    columns = min(size[1], max(LEAST_COLUMNS, area // rows // step * step))
     return min(rows, area // columns // (2 * step) * (2 * step)), columns
 
 
