@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from dnanalyze.diagnosis.results import Diagnosis, Refinement
     from dnanalyze.fitting.problem import FitProblem
+    from dnanalyze.fitting.state import State
     from dnanalyze.loaders.captures import CaptureSet
     from dnanalyze.model.effect import Effect
     from dnanalyze_cli.session import Session
@@ -17,9 +19,10 @@ def describe_residual(
     session: Session,
     captures: CaptureSet,
     problem: FitProblem,
-    result: Any,
+    result: Diagnosis | Refinement,
     known: dict[str, type[Effect]],
     budget: float | None,
+    state: State | None = None,
 ) -> dict[str, Any]:
     """Print the description and give its document under "description"; {} where there is none.
 
@@ -27,7 +30,7 @@ def describe_residual(
     ----------
     session : Session
     captures : CaptureSet
-    held : FitProblem
+    problem : FitProblem
         The statistics that the model was fitted to.
     result : Diagnosis or Refinement
         Only a finished one whose verdict is "unexplained" is described.
@@ -35,12 +38,15 @@ def describe_residual(
         Effects by name.
     budget : float or None
         Seconds of the whole command.
+    state : State, optional
+        The fitted model, by the yardstick of ``problem``; it is simulated by default.
     """
     from dnanalyze.model.composite.effect import CompositeEffect
 
     over = budget is not None and (session.remaining(budget) or 0.0) < 1.0
     done = result.verdict == "unexplained" and result.finished and not over
-    if not done or result.model.get(CompositeEffect.name) is not None:
+    model = result.model
+    if not done or model is None or model.get(CompositeEffect.name) is not None:
         return {}
     from dnanalyze.description.describe import described
     from dnanalyze.fitting.state import start
@@ -49,9 +55,7 @@ def describe_residual(
 
     left = min(MOST, session.remaining(budget) or MOST)
     with session.progress("Describing the unexplained residual") as progress:
-        state = getattr(result, "state", None)
-        state = state or start(problem, result.model)
-        limit = TimeLimit.after(left)
-        found = described(captures, problem, state, known, limit, progress.now, rivals=False)
+        limit, fitted = TimeLimit.after(left), state or start(problem, model)
+        found = described(captures, problem, fitted, known, limit, progress.now, rivals=False)
     session.print(in_short(found))
     return {"description": found.to_dict()}

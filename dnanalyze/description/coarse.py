@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,11 @@ class CoarseFrames:
         """All frames in units of their noise, (frames, GRID, GRID)."""
         pairs = zip(self.frames, self.chance, strict=True)
         return np.concatenate([f / math.sqrt(c) for f, c in pairs])
+
+    @cached_property
+    def of_levels(self) -> float:
+        """Twice the gain of the log likelihood by a level of each frame."""
+        return float(GRID**2 * np.sum(self.white.mean(axis=(1, 2)) ** 2))
 
     def along(self, pattern: np.ndarray) -> tuple[list[np.ndarray], list[float]]:
         """Size of a pattern (GRID, GRID) in every frame, and its variance by chance."""
@@ -134,7 +140,12 @@ def _standing_spot(
         effect = CompositeEffect(when="switching", distribution="on_off", tau=tau, **words)
     else:
         effect = CompositeEffect(when="persisting", tau=AT_ONCE, **words)
-    return Estimate(effect, errors, gain, price, sizes)
+    return Estimate(effect, errors, _beyond_levels(frames, gain), price, sizes)
+
+
+def _beyond_levels(frames: CoarseFrames, gain: float) -> float:
+    """What a spot explains beyond a level of each frame: a step of all pixels is no spot."""
+    return max(gain - frames.of_levels, 0.0)
 
 
 def _two_groups(series: list[np.ndarray], chance: list[float]) -> bool:
@@ -185,8 +196,10 @@ def _moving_spot(seen: Layers, frames: CoarseFrames) -> Estimate:
         error = math.hypot(error, float(np.std(own, ddof=1)) / math.sqrt(len(own)))
     best = int(np.argmin(np.abs(RADII - place)))
     radius, lowered = _without_blocks(math.exp(place))
-    values, errors = [], []
-    for c, heights in zip(frames.chance, np.split(found[best][1], ends), strict=True):
+    values, errors, gain = [], [], 0.0
+    signals = np.split(found[best][0], ends)
+    for c, z, heights in zip(frames.chance, signals, np.split(found[best][1], ends), strict=True):
+        gain += z.size * max(float(z.mean()), 0.0) ** 2  # of one height in all frames
         # less the mean of the frames, which holds 1 / frames of every spot
         back = math.sqrt(heights.size / (heights.size - 1.0))
         height = heights * math.sqrt(c) / lowered * back
@@ -197,7 +210,7 @@ def _moving_spot(seen: Layers, frames: CoarseFrames) -> Estimate:
     # a place and a height a frame; dark spots are no effect
     price = 3 * gains.shape[1] * math.log(GRID**2) if np.sum(values) > 0 else math.inf
     sizes = Sizes(np.array(values), np.maximum(errors, 1e-9))
-    return Estimate(effect, {"radius": radius * error}, float(gains[best].sum()), price, sizes)
+    return Estimate(effect, {"radius": radius * error}, _beyond_levels(frames, gain), price, sizes)
 
 
 def _without_blocks(radius: float) -> tuple[float, float]:

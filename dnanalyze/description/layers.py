@@ -14,7 +14,7 @@ from dnanalyze.loaders.captures import CaptureSet, OperatingPoint, Window
 from dnanalyze.model.laws import value_at
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.simulate import simulate
-from dnanalyze.robust import QUARTILES
+from dnanalyze.robust import QUARTILES, core_deviation
 from dnanalyze.significance import CERTAIN, NOTICEABLE
 
 GRID = 16  # blocks a side of coarse maps, over which steps and spots are told from shading
@@ -158,10 +158,9 @@ class Layers:
 
 
 def robust(values: np.ndarray) -> float:
-    """Standard deviation by the quartiles of a sample of the values, never 0."""
+    """Standard deviation of the core of a sample of the values, never 0."""
     flat = values.reshape(-1)
-    low, high = np.percentile(flat[:: max(1, flat.size // 200_000)], (25, 75))
-    return max(float(high - low) / QUARTILES, 1e-6)
+    return max(core_deviation(flat[:: max(1, flat.size // 200_000)]), 1e-6)
 
 
 def coarse(maps: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from dnanalyze.model.effect import Effect
 
 STRENGTHS = (
     "sigma", "rms", "amplitude", "fraction", "density", "rate", "mean_number", "alpha", "step",
-    "strength",
+    "strength", "loss",
 )  # fmt: skip
 
 
@@ -26,10 +26,12 @@ def at_factor(effect: Effect, factor: float) -> Effect | None:
     Parameters that follow a law over temperature are left as they are.
     """
     name = strength_of(type(effect))
-    known = effect.parameters()
+    known, unused = effect.parameters(), effect.inactive_parameters()
     terms = [n for n, i in known.items() if i.scale in ("linear", "signed") and i.unit == "DN"]
     changed = {}
     for term in [name] if name else terms:
+        if term in unused:
+            continue
         value = getattr(effect, term)
         if isinstance(value, (int, float)):
             changed[term] = bounded(type(effect), term, factor * value)

@@ -68,13 +68,18 @@ def test_one_file_for_two_outputs_is_refused(folder, tmp_path, capsys):
 
 @pytest.mark.parametrize("command", ["diagnose", "refine"])
 def test_what_stays_unexplained_is_described(command, folder, tmp_path, capsys, monkeypatch):
-    seen = []
+    """A refinement by the statistics and the yardstick that its fitted state is stated in."""
+    seen, fitted = [], {"refine": ("of the refinement", "refined"), "diagnose": (None, "begun")}
     found = {"diagnose": fakes.diagnosis("unexplained"), "refine": fakes.refinement()}[command]
-    found.verdict, found.state = "unexplained", object()
+    found.verdict = "unexplained"
+    if command == "refine":
+        found.problem, found.state = fitted[command]
+    monkeypatch.setattr("dnanalyze.fitting.state.start", lambda *_: "begun")
     module = "diagnose" if command == "diagnose" else "refine"
     monkeypatch.setattr(f"dnanalyze.diagnosis.{module}.{command}_on", lambda *_, **__: found)
 
-    def described(captures, *_, rivals):
+    def described(captures, problem, state, *_, rivals):
+        assert (problem, state) == fitted[command]
         seen.append(rivals)
         return description(captures)
 

@@ -13,10 +13,15 @@ READ, PIXEL = 2.0, 0.8
 ROW, COLUMN = np.arange(SHAPE[0])[:, None], np.arange(SHAPE[1])[None, :]
 
 
-def made(add=None, frames=6, seed=1, points=POINTS, dark=DARK, noise=None):
-    """Layers of frames; ``add(point number, frame, rng)`` is added to each, DN."""
+def made(
+    add=None, frames=6, seed=1, points=POINTS, dark=DARK, noise=None, pixel=PIXEL, codes=False
+):
+    """Layers of frames; ``add(point number, frame, rng)`` is added to each, DN.
+
+    ``codes``: whether the frames are rounded.
+    """
     rng = np.random.default_rng(seed)
-    fixed = PIXEL * rng.standard_normal(SHAPE)
+    fixed = pixel * rng.standard_normal(SHAPE)
     scale = READ if noise is None else noise
     taken = []
     for n, point in enumerate(points):
@@ -25,5 +30,6 @@ def made(add=None, frames=6, seed=1, points=POINTS, dark=DARK, noise=None):
             + (0.0 if add is None else add(n, f, rng))
             for f in range(frames)
         ]  # fmt: skip
-        taken.append(Taken(point, np.array(stack, np.float32)))
+        stack = np.array(stack, np.float32)
+        taken.append(Taken(point, np.round(stack) if codes else stack))
     return Layers(tuple(taken), Window.whole(SHAPE), SHAPE, np.asarray(dark, float))

@@ -175,6 +175,16 @@ def test_one_operating_point_and_one_frame_are_enough_for_a_fixed_wave():
     assert "at the only operating point" in sentence(found, seen)
 
 
+def test_the_size_of_a_wave_in_frames_of_few_codes():
+    """Half of the pixels of a single frame have the same code."""
+    pattern = 0.2 * math.sqrt(2) * np.cos(2 * math.pi * (0.11 * ROW))
+    eight_bit = {"frames": 1, "noise": 0.5, "pixel": 0.1, "codes": True}
+    seen = made(lambda n, f, rng: pattern, **eight_bit)
+    found = searched(seen, by_chance(made(seed=2, **eight_bit)), REFERENCE)[0]
+    assert found.effect.where == "wave"
+    near(found, amplitude=0.2)
+
+
 def test_blocks_whose_gain_differs_by_less_than_the_spread_of_the_pixels():
     rng = np.random.default_rng(4)
     charge = np.exp(0.3 * rng.standard_normal(SHAPE) - 0.045)
@@ -193,6 +203,14 @@ def test_a_spot_that_blinks_in_its_place():
     assert (e.when, e.where, e.distribution) == ("switching", "blob", "on_off")
     near(found, amplitude=5.0, radius=15.0, centre_y=40.0, centre_x=90.0)
     assert "present in half of the frames" in sentence(found, seen)
+
+
+def test_a_level_that_steps_between_two_sessions_is_no_spot():
+    def level(n, f, rng):
+        return 12.0 * (f >= 3)
+
+    found = searched(made(level), NULL, REFERENCE)
+    assert "blob" not in {e.effect.where for e in found}
 
 
 def test_a_spot_in_its_place_whose_height_is_new_in_every_frame():

@@ -1,6 +1,7 @@
 """What is simulated of a candidate before any refit."""
 
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -125,6 +126,30 @@ def test_a_guess_at_the_wrong_scale_promises_as_much(problem, state):
     assert abs(weak.promise - strong.promise) < 0.05 * state.loss
 
 
+def test_an_effect_without_a_strength_promises_what_it_brings_as_it_is(problem, state):
+    """A hundredth of a filter is none: its guess must be near by itself."""
+
+    class Marks(Effect):
+        """A checkerboard of a size that is no parameter."""
+
+        name = "marks"
+        size: ClassVar[float] = 0.0
+
+        def apply(self, signal, site):
+            y, x = np.indices(signal.shape[-2:])
+            return signal + self.size * np.float32((x + y) % 2)
+
+        @classmethod
+        def guess(cls, clues):
+            return [cls()]
+
+    promise = {}
+    for size in (0.02, 40.0):
+        known = {"marks": type("Sized", (Marks,), {"size": size})}
+        (promise[size],) = (g.promise for g in score_tests(problem, state, known))
+    assert promise[40.0] < -state.loss < promise[0.02]
+
+
 def test_the_promise_is_near_what_a_refit_brings():
     problem = sensor(
         KNOWN["read_noise"](sigma=3.0),
@@ -160,6 +185,9 @@ def test_the_least_loss_along_a_change_is_where_the_change_explains_the_misfits(
     least = along(state, 0.01 * change)
     assert least.share == pytest.approx(0.25, abs=1e-3)
     assert least.loss == pytest.approx(0.0, abs=1e-4 * np.sum(z**2))
+    near = along(state, 0.01 * change, shortest=0.5)
+    assert near.share == pytest.approx(0.5, abs=1e-3)
+    assert near.loss > least.loss
     far = along(state, 1e-5 * change)  # beyond the longest step
     assert far.share == pytest.approx(LONGEST, rel=1e-3)
 

@@ -32,6 +32,11 @@ def test_an_effect_without_a_strength_has_no_other():
     assert at_factor(KNOWN["row_noise"](sigma=TableLaw(points, (0.1, 0.2))), 0.5) is None
 
 
+def test_what_a_kind_does_not_use_is_no_strength_of_it():
+    assert at_factor(KNOWN["dpc"](kind="median"), 0.5) is None
+    assert at_factor(KNOWN["dpc"](kind="static", fraction=1e-3), 0.5).fraction == 5e-4
+
+
 @pytest.mark.parametrize("name", KNOWN)
 def test_half_an_effect_is_an_effect(name):
     """Of every effect of the catalogue, and so is the half of that."""

@@ -121,7 +121,11 @@ def refine(
                 _ = result.parameters
         session.show(result)
         more = (
-            {} if no_describe else describe_residual(session, found, problem, result, known, budget)
+            {}
+            if no_describe
+            else describe_residual(
+                session, found, result.problem, result, known, budget, result.state
+            )
         )
         session.not_kept()
         if result.timed_out and (line := go_on()):
