@@ -26,6 +26,9 @@ FAR, FAR_NORMAL = 0.999, 3.090232  # a quantile in the tail, and that of the nor
 # Its relative standard error of n normal deviates, times sqrt(n): sqrt(p (1 - p)) / (density x
 # quantile)
 FAR_ERROR = 3.04
+# Least share of the variance of the Gaussian noise beside it, 0.3 of its deviation: from none at
+# all no derivative leads back.
+LEAST_GAUSSIAN = 0.3**2
 
 
 @dataclass(frozen=True)
@@ -113,17 +116,35 @@ class HeavyTailedReadNoise(Effect):
         return signal
 
     def nuisance_bias(self, name: str, unit: str, noise: float = math.inf) -> tuple[float, float]:
-        """A spread of sigma over pixels makes such a tail in the frame, Gaussian noise none."""
-        return {"read_noise.spread": HALF_THE_VARIANCE, "read_noise.sigma": 0.3}.get(name, 1.0), 0.0
+        """A spread of sigma over pixels makes such a tail in the frame, Gaussian noise none.
+
+        What is left of the Gaussian noise has the correlations of the sum.
+        """
+        left = self._gaussian_share(noise)
+        factors = {
+            "read_noise.spread": HALF_THE_VARIANCE,
+            "read_noise.sigma": math.sqrt(left),
+            "read_noise.serial": 1.0 / left,
+            "read_noise.serial2": 1.0 / left,
+        }
+        return factors.get(name, 1.0), 0.0
+
+    def _gaussian_share(self, noise: float) -> float:
+        """Share of the variance of a noise, DN, that this one leaves."""
+        known = all(isinstance(x, (int, float)) for x in (self.sigma, self.tail, self.freedom))
+        if not known or not 0.0 < noise < math.inf:
+            return LEAST_GAUSSIAN
+        own = self._variance(self.sigma, self.tail, self.freedom)
+        return max(LEAST_GAUSSIAN, 1.0 - own / noise**2)
 
     def variance(self, point: OperatingPoint) -> float:
         """Variance of the Tukey-lambda distribution, or nu / (nu - 2) of Student's t, DN^2."""
+        return self._variance(*(self.value(n, point) for n in ("sigma", "tail", "freedom")))
+
+    def _variance(self, sigma: float, tail: float, freedom: float) -> float:
         if self.form == "student":
-            freedom = self.value("freedom", point)
-            scale = self.value("sigma", point) / student_scale(freedom)
-            return scale**2 * freedom / (freedom - 2.0)
-        tail = self.value("tail", point)
-        return (self.value("sigma", point) / robust_scale(tail)) ** 2 * tukey_variance(tail)
+            return (sigma / student_scale(freedom)) ** 2 * freedom / (freedom - 2.0)
+        return (sigma / robust_scale(tail)) ** 2 * tukey_variance(tail)
 
 
 def tukey_lambda(z: np.ndarray, tail: float) -> np.ndarray:

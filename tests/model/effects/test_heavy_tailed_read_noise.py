@@ -134,3 +134,27 @@ def test_tails_that_so_few_deviates_do_not_tell_from_gaussian_ones_are_not_shown
     students = HeavyTailedReadNoise(4.0, form="student", freedom=30.0)
     assert students.shows_in(6, pixels)
     assert not students.shows_in(1, 1000)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [HeavyTailedReadNoise(2.0, -0.1), HeavyTailedReadNoise(2.0, form="student", freedom=6.0)],
+)
+def test_beside_it_the_noise_has_the_variance_and_the_correlation_of_a_fit_without(effect):
+    """The Gaussian noise of the model without is all of the noise."""
+    noise, serial = 5.0, -0.08
+    factors = {
+        name: effect.nuisance_bias(f"read_noise.{name}", unit, noise)
+        for name, unit in (("sigma", "DN"), ("serial", "1"))
+    }
+    assert all(shift == 0.0 for _, shift in factors.values())
+    left = (factors["sigma"][0] * noise) ** 2
+    assert left + effect.variance(OperatingPoint()) == pytest.approx(noise**2)
+    assert left * factors["serial"][0] * serial == pytest.approx(noise**2 * serial)
+
+
+def test_of_the_gaussian_noise_some_is_left_beside_tails_that_are_all_of_it():
+    factor, _ = HeavyTailedReadNoise(9.0, -0.2).nuisance_bias("read_noise.sigma", "DN", 5.0)
+    assert factor == pytest.approx(0.3)
+    unknown, _ = HeavyTailedReadNoise(9.0, -0.2).nuisance_bias("read_noise.sigma", "DN")
+    assert unknown == factor
