@@ -97,21 +97,25 @@ def trials(
 
 
 def refitted_once(
-    null: FittedModel, known: dict[str, type[Effect]], on_progress: Callable[[str], None] = ignored
+    null: FittedModel,
+    known: dict[str, type[Effect]],
+    on_progress: Callable[[str], None] = ignored,
+    on_part: bool = False,
 ) -> tuple[list[str], list[Trial]]:
     """The effects of the largest promise, and one refit of each, that of most evidence first.
 
-    None is refitted where the first of them has a place or few pixels: a part of the field does not
-    show it as the whole does. Arguments are those of `trials`.
+    On a part of the field, none is refitted where the first of them has a place or few pixels: it
+    does not show that as the whole does. Arguments are those of `trials`.
     """
     guesses = _screened(null, known, on_progress)
     names = list(guesses)[:REFITS]
-    if not names or known[names[0]].placing is not Placing.EVERYWHERE:
+    if not names or (on_part and known[names[0]].placing is not Placing.EVERYWHERE):
         return names, []
     found = [
         t for t in _refits(null, guesses, on_progress) if shown(null.problem, t.state, t.effect)
     ]
-    return names, sorted(found, key=lambda t: -t.evidence)
+    tested = [_tested(null.problem, t, found) for t in found]
+    return names, sorted(tested, key=lambda t: -t.evidence)
 
 
 def _screened(

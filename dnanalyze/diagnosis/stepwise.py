@@ -271,14 +271,15 @@ class Search:
         """Forward, backward and swap steps until none is significant."""
         while not self.near_enough(path):
             null = FittedModel.of(self.problem, path.state)
-            path = self._tested(path, null)
+            undecided = not path.converged and not far_off(path.state)
+            path = self._plain(path, null) if undecided else self._tested(path, null)
             best = path.best
             lower = None if best is None else lower_without(null, best)
             if lower is not None:
                 lower = self._at_home(lower, null)
                 path = self._at_its_optimum(replace(path, state=lower, converged=False))
                 continue
-            if not path.converged and not self._decided(path):
+            if best is None and not path.converged:
                 path = self._at_its_optimum(path)
                 if not FittedModel.of(self.problem, path.state).adequate:
                     continue  # what is left may be another effect
@@ -297,19 +298,14 @@ class Search:
             path = self._with(path, null, best, path.error)
         return self._converged(replace(path, tried=(), best=None))
 
-    def _decided(self, path: Path) -> bool:
-        """Whether the best candidate is added to a model that is not at its optimum."""
-        if path.best is None:
-            return False
-        return far_off(path.state) or beyond_doubt(path.best, path.tried)
-
     def _at_its_optimum(self, path: Path) -> Path:
         """`_converged`; the candidates so far are the first to be tested beside it.
 
         A refit with a candidate moves all parameters, and gains by it what the model without the
         candidate had left to gain.
         """
-        return self._converged(replace(path, open=tuple(t.effect for t in path.tried)))
+        first = tuple(t.effect for t in path.tried) or path.open
+        return self._converged(replace(path, open=first))
 
     def _exchanged(self, path: Path, gone: str, null: FittedModel, best: Trial) -> Path | None:
         """One effect in the place of another; None where the model error would rise.
@@ -333,9 +329,12 @@ class Search:
         return replace(path, tried=tuple(tried), best=best)
 
     def _plain(self, path: Path, null: FittedModel) -> Path:
-        """The candidate that one refit decides; without one the first are left open."""
+        """The candidate that one refit decides; without one the first are left open.
+
+        Of a model that is not at its optimum, the others wait for that.
+        """
         known = self._first(path) or self._open(path)
-        names, tried = refitted_once(null, known, self.on_progress)
+        names, tried = refitted_once(null, known, self.on_progress, self.whole is not None)
         best = supported(null, tried)
         if best is None or not beyond_doubt(best, tried):
             return replace(path, tried=(), best=None, open=tuple(names))

@@ -34,6 +34,7 @@ from dnanalyze.fitting.design import design
 from dnanalyze.fitting.problem import fit_problem
 from dnanalyze.fitting.state import deviance
 from dnanalyze.loaders.captures import OperatingPoint, Window
+from dnanalyze.model.effect import Placing
 from dnanalyze.model.effects.column_fpn import ColumnFpn
 from dnanalyze.model.noise_model import NoiseModel
 from dnanalyze.model.registry import BASE, built_in
@@ -113,15 +114,25 @@ def test_a_refit_does_not_begin_at_a_strength_that_explains_less(null, losses, s
     assert begun == pytest.approx(30.0 * WEAKER**steps, rel=1e-3)
 
 
-def test_plain_cases_are_settled_by_one_refit_of_what_is_everywhere(null):
+def test_plain_cases_are_settled_by_one_refit_on_a_part_of_what_is_everywhere(null, monkeypatch):
     names, found = refitted_once(null, of(*ROWS))
     assert {t.effect for t in found} <= set(names) <= set(ROWS)
     assert [t.evidence for t in found] == sorted((t.evidence for t in found), reverse=True)
     assert significant(found[0])
+    assert refitted_once(null, of(*ROWS), on_part=True)[1]
     # the largest promise is that of an effect with a place, which a part does not settle
-    names, found = refitted_once(null, of("row_fpn"))
-    assert names == ["row_fpn"]
-    assert found == []
+    monkeypatch.setattr(ColumnFpn, "placing", Placing.SOMEWHERE)
+    assert refitted_once(null, of("column_fpn"), on_part=True) == (["column_fpn"], [])
+    (placed,) = refitted_once(null, of("column_fpn"))[1]
+    assert placed.effect == "column_fpn"
+
+
+def test_a_filter_that_the_frames_do_not_show_is_not_settled_by_its_refit(null, monkeypatch):
+    monkeypatch.setattr("dnanalyze.diagnosis.candidates.FILTERS", ("column_fpn",))
+    monkeypatch.setattr("dnanalyze.diagnosis.candidates.denied", lambda *_: True)
+    (found,) = refitted_once(null, of("column_fpn"))[1]
+    assert found.denied
+    assert not significant(found)
 
 
 def test_the_gain_is_that_of_both_halves_in_units_of_the_scatter(null, monkeypatch):

@@ -162,12 +162,20 @@ def test_an_effect_that_is_not_beyond_doubt_is_compared_with_the_model_at_its_op
     noise = state.model.get("read_noise")
     begun = start(problem, state.model.with_effect(replace(noise, sigma=0.95 * noise.sigma)))
     found = replace(trial(null, 2.0 * EVIDENCE_ODDS_10), effect="row_noise")
-    compared = []
+    refits, compared = [], []
+
+    def seen(beside, known):
+        return beside.state.model.get("read_noise").sigma, set(known)
+
+    def refitted(beside, known, *_):
+        refits.append(seen(beside, known))
+        return ["row_noise"], [found]
 
     def chosen(beside, known, *_, **__):
-        compared.append((beside.state.model.get("read_noise").sigma, set(known)))
-        return ([found], found) if len(compared) == 1 else ([], None)
+        compared.append(seen(beside, known))
+        return [], None
 
+    monkeypatch.setattr("dnanalyze.diagnosis.stepwise.refitted_once", refitted)
     monkeypatch.setattr("dnanalyze.diagnosis.stepwise.choose", chosen)
     steps = (Step(None, 99.0), Step("row_fpn", error_of(problem, begun)))
     known = {n: built_in()[n] for n in ("row_noise", "column_noise")}
@@ -176,9 +184,9 @@ def test_an_effect_that_is_not_beyond_doubt_is_compared_with_the_model_at_its_op
     assert [s.added for s in path.steps] == [None, "row_fpn"]
     assert path.converged
     assert path.best is None
-    assert compared[0] == (pytest.approx(0.95 * noise.sigma), set(known))
-    if len(compared) > 1:  # at its optimum the model is not adequate
-        assert compared[1] == (pytest.approx(noise.sigma, rel=0.02), {"row_noise"})
+    assert refits == [(pytest.approx(0.95 * noise.sigma), set(known))]
+    if compared:  # at its optimum the model is not adequate
+        assert compared[0] == (pytest.approx(noise.sigma, rel=0.02), {"row_noise"})
     assert path.state.model.get("read_noise").sigma == pytest.approx(noise.sigma, rel=0.02)
 
 
@@ -323,8 +331,8 @@ def test_what_is_far_off_is_searched_on_a_part_and_confirmed_on_the_whole(far, m
     assert told[1].confidence > 0.9
 
 
-def test_a_model_that_is_far_off_is_not_brought_to_its_optimum_first(far, problem, null):
-    """The next effect moves all that is fitted there."""
+def test_a_model_that_is_far_off_is_not_brought_to_its_optimum_first(far, problem, monkeypatch):
+    """The next effect moves all that is fitted there: candidates are compared where it is."""
     state = fitted(far)
     for name in BASELINE:
         state = start(far, state.model.without(name))
@@ -333,11 +341,28 @@ def test_a_model_that_is_far_off_is_not_brought_to_its_optimum_first(far, proble
     assert {s.added for s in path.steps} == {None, *BASELINE}
     assert far_off(path.state)
     assert not path.converged
-    search = Search(problem, {})
-    found = trial(null, 2.0 * EVIDENCE_ODDS_10)
-    assert search._decided(Path(path.state, tried=(found,), best=found))
-    assert not search._decided(Path(path.state))
-    assert not search._decided(Path(fitted(problem, RowFpn(1.0)), tried=(found,), best=found))
+
+    class Compared(Exception):
+        """Of the candidates at their optima."""
+
+    class Refitted(Exception):
+        """Of one refit of each."""
+
+    def raised(kind):
+        def called(*_, **__):
+            raise kind
+
+        return called
+
+    monkeypatch.setattr("dnanalyze.diagnosis.stepwise.choose", raised(Compared))
+    monkeypatch.setattr("dnanalyze.diagnosis.stepwise.refitted_once", raised(Refitted))
+    with pytest.raises(Compared):
+        Search(far, {})._searched(path)
+    near = Path(fitted(problem, RowFpn(1.0)), path.steps, converged=False)
+    with pytest.raises(Refitted):
+        Search(problem, {})._searched(near)
+    with pytest.raises(Compared):
+        Search(problem, {})._searched(replace(near, converged=True))
 
 
 def test_a_search_without_time_keeps_the_start_with_its_error_on_the_whole_field(far):
