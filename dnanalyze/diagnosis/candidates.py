@@ -148,10 +148,11 @@ def _refits(
         ended = _refitted_from(null, own, wanted)
         gained = null.state.loss - ended.loss
         reach = max(reach, gained / own[0].promise)
-        wanted = min(wanted, null.state.loss - COMPETING_SHARE * gained)
         made = trial_of(null, name, ended)
         if much_left(ended):
             made = as_sensors(null, own, made)
+        if significant(made, EVIDENCE_NULL):  # one that cannot be named leaves others their chance
+            wanted = min(wanted, null.state.loss - COMPETING_SHARE * gained)
         found.append(replace(made, others=_of_other_kinds(own)))
         on_trial(SoFar(list(guesses), list(found)))
     return found

@@ -23,6 +23,7 @@ from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
 from dnanalyze.diagnosis.score_test import Guess, Least
 from dnanalyze.diagnosis.selection import (
+    COMPETING_SHARE,
     EVIDENCE_DECISIVE,
     EVIDENCE_NULL,
     EVIDENCE_ODDS_10,
@@ -164,6 +165,31 @@ def test_where_nothing_is_left_a_refit_begins_only_if_it_may_gain_what_is_asked_
         enough = max(least / GAIN_OVER_PROMISE, LEAST_GAIN)
         assert refitted_names(left, 1.01 * enough) == ["column_fpn"]
         assert refitted_names(left, 0.99 * enough) == []
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_only_a_refit_that_can_be_named_rules_out_what_may_gain_less(null, named, monkeypatch):
+    """The model error rises with the first where it cannot be named."""
+    of_null = trial_of(null, "column_fpn", null.state)
+
+    def refitted_to(beside, name, after):
+        return replace(
+            of_null, effect=name, state=after, gain=500.0, fitted_gain=500.0,
+            error_fall=0.1 if named else -0.1,
+        )  # fmt: skip
+
+    monkeypatch.setattr("dnanalyze.diagnosis.candidates.trial_of", refitted_to)
+    model = null.state.model.with_effect(ColumnFpn(1.0))
+    first = Guess("column_fpn", model, 200.0)
+    fallen = replace(null.state, train=0.5 * null.state.train)
+    monkeypatch.setattr("dnanalyze.diagnosis.candidates._refitted_from", lambda *_: fallen)
+    gained = null.state.loss - fallen.loss
+    reach = max(GAIN_OVER_PROMISE, gained / first.promise)
+    second = Guess("row_noise", model, 0.9 * COMPETING_SHARE * gained / reach)
+    guesses = {g.effect: [g] for g in (first, second)}
+    assert second.promise > EVIDENCE_NULL
+    names = [t.effect for t in _refits(null, guesses, ignored)]
+    assert names == (["column_fpn"] if named else ["column_fpn", "row_noise"])
 
 
 def test_no_candidates_no_trials(null):
