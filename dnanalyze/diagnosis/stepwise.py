@@ -91,23 +91,30 @@ def choose(
 
 
 def supported(null: FittedModel, tried: Sequence[Trial]) -> Trial | None:
-    """The first of the trials, if the evidence is enough.
+    """The first of the trials whose evidence is enough.
 
-    A candidate that corrects one of the largest residuals needs less evidence, since replicates
-    have rejected the model without it; one that corrects none of the residuals needs more, since
-    it may adapt to what is really missing.
+    One that explains the same statistics as another before it, which has not enough, is none: it
+    may be in the place of that.
     """
-    if not tried:
-        return None
-    found = tried[0]
+    for n, found in enumerate(tried):
+        if all(apart(found, other) for other in tried[:n]) and _enough(null, found):
+            return found
+    return None
+
+
+def _enough(null: FittedModel, found: Trial) -> bool:
+    """Whether the evidence of a candidate is enough.
+
+    One that corrects one of the largest residuals needs less evidence, since replicates have
+    rejected the model without it; one that corrects none of the residuals needs more, since it may
+    adapt to what is really missing.
+    """
     if not significant(found, EVIDENCE_NULL):
-        return None
+        return False
     if null.corrects(null.left[:3], found.state):
-        return found
+        return True
     corrects = not null.left or null.corrects(null.left, found.state)
-    return (
-        found if significant(found, EVIDENCE_ODDS_10 if corrects else EVIDENCE_DECISIVE) else None
-    )
+    return significant(found, EVIDENCE_ODDS_10 if corrects else EVIDENCE_DECISIVE)
 
 
 def lower_without(null: FittedModel, best: Trial) -> State | None:

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from drawn_sensor import problem_with, with_random_codes
 
@@ -85,6 +86,17 @@ def test_the_evidence_asked_for_goes_by_the_residual_that_a_candidate_corrects(n
     assert done.left == []
     assert supported(done, [trial(done, 0.99 * EVIDENCE_ODDS_10)]) is None
     assert supported(done, [trial(done, 1.01 * EVIDENCE_ODDS_10)]) is not None
+
+
+@pytest.mark.parametrize("shared", [False, True])
+def test_behind_a_candidate_that_raises_the_error_only_one_of_other_statistics_is_supported(
+    null, shared
+):
+    plain = trial(null, 2.0 * EVIDENCE_DECISIVE, fitted(null.problem, RowFpn(1.0)))
+    one, other = np.array([9.0, 0.0]), np.array([0.0, 9.0])
+    first = replace(plain, error_fall=-0.1, falls=one)
+    second = replace(plain, falls=one if shared else other)
+    assert supported(null, [first, second]) is (None if shared else second)
 
 
 def test_a_superfluous_effect_is_dropped_and_a_needed_one_kept(problem):
