@@ -235,11 +235,10 @@ def _at_their_optima(
     Contenders are in their best forms, and take the derivatives of what they share from the leader.
     All of these are compared by what sensors of their design show.
     """
-    if not found:
+    able = [t for t in found if t.fitted_gain >= LEAST_GAIN]
+    if not able:
         return found
-    leader = max(found, key=lambda t: t.evidence)
-    if leader.fitted_gain < LEAST_GAIN:
-        return found
+    leader = max(able, key=lambda t: t.evidence)
     near = without_denied(null.problem, leader, found, contenders(leader, found, promises))
     if significant(leader, EVIDENCE_DECISIVE) and len(near) == 1:
         return found

@@ -171,11 +171,13 @@ def significant(found: Trial, least: float = EVIDENCE_ODDS_10) -> bool:
     Each half must give its part, and the model error of the held-out half must fall. ``least``:
     evidence asked for, in units of the overdispersion.
     """
-    lesser = min(found.gain, found.fitted_gain)
-    enough = (
-        found.evidence > least * found.overdispersion and lesser > LEAST_GAIN * found.overdispersion
-    )
+    enough = found.evidence > least * found.overdispersion and on_both_halves(found)
     return enough and found.error_fall > 0.0 and not found.denied
+
+
+def on_both_halves(found: Trial) -> bool:
+    """Whether each half gives its part of the evidence."""
+    return min(found.gain, found.fitted_gain) > LEAST_GAIN * found.overdispersion
 
 
 def apart(one: Trial, other: Trial) -> bool:

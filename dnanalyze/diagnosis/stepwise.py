@@ -55,6 +55,7 @@ from dnanalyze.diagnosis.selection import (
     beyond_doubt,
     competitors,
     confidence_of,
+    on_both_halves,
     significant,
 )
 from dnanalyze.diagnosis.spread_law import in_words, spread_law
@@ -94,11 +95,14 @@ def supported(null: FittedModel, tried: Sequence[Trial]) -> Trial | None:
     """The first of the trials whose evidence is enough.
 
     One that explains the same statistics as another before it, which has not enough, is none: it
-    may be in the place of that.
+    may be in the place of that. What shows on one half alone is no such other.
     """
-    for n, found in enumerate(tried):
-        if all(apart(found, other) for other in tried[:n]) and _enough(null, found):
+    before: list[Trial] = []
+    for found in tried:
+        if all(apart(found, other) for other in before) and _enough(null, found):
             return found
+        if on_both_halves(found):
+            before.append(found)
     return None
 
 

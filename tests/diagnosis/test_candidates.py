@@ -11,6 +11,7 @@ from dnanalyze.diagnosis.baseline import baseline_fitted, baseline_start
 from dnanalyze.diagnosis.candidates import (
     GAIN_OVER_PROMISE,
     WEAKER,
+    _at_their_optima,
     _begun,
     _refits,
     candidates_of,
@@ -21,7 +22,7 @@ from dnanalyze.diagnosis.candidates import (
 )
 from dnanalyze.diagnosis.forms import in_best_form
 from dnanalyze.diagnosis.gains import trial_by_prediction, trial_of
-from dnanalyze.diagnosis.score_test import Guess, Least
+from dnanalyze.diagnosis.score_test import Guess, Least, score_tests
 from dnanalyze.diagnosis.selection import (
     COMPETING_SHARE,
     EVIDENCE_DECISIVE,
@@ -57,6 +58,11 @@ def null() -> FittedModel:
 
 def of(*names):
     return {name: effect for name, effect in built_in().items() if name in names}
+
+
+def guessed(null, name):
+    found = score_tests(null.problem, null.state, of(name))
+    return {name: [g for g in found if g.effect == name]}
 
 
 def test_both_hidden_effects_are_refitted_and_significant(null):
@@ -190,6 +196,27 @@ def test_only_a_refit_that_can_be_named_rules_out_what_may_gain_less(null, named
     assert second.promise > EVIDENCE_NULL
     names = [t.effect for t in _refits(null, guesses, ignored)]
     assert names == (["column_fpn"] if named else ["column_fpn", "row_noise"])
+
+
+def test_candidates_are_fitted_on_although_one_gains_more_on_the_other_half_alone(
+    null, monkeypatch
+):
+    right = next(t for t in _refits(null, guessed(null, "column_fpn"), ignored))
+    unseen = replace(right, effect="row_fpn", fitted_gain=1.0, gain=10.0 * right.gain)
+    fitted_on = []
+
+    def ended(problem, begun, *_, **__):
+        fitted_on.append(begun.model.names)
+        return begun
+
+    where = "dnanalyze.diagnosis.candidates"
+    monkeypatch.setattr(f"{where}.minimise", ended)
+    monkeypatch.setattr(f"{where}.in_best_form", lambda problem, found: found.state)
+    monkeypatch.setattr(f"{where}.significant", lambda *_: False)
+    _at_their_optima(null, [unseen], {"row_fpn": 1.0})
+    assert not fitted_on
+    _at_their_optima(null, [unseen, right], {"column_fpn": 1.0, "row_fpn": 1.0})
+    assert fitted_on
 
 
 def test_no_candidates_no_trials(null):

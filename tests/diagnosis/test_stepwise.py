@@ -97,6 +97,8 @@ def test_behind_a_candidate_that_raises_the_error_only_one_of_other_statistics_i
     first = replace(plain, error_fall=-0.1, falls=one)
     second = replace(plain, falls=one if shared else other)
     assert supported(null, [first, second]) is (None if shared else second)
+    # what gains on one half alone is in nobody's place
+    assert supported(null, [replace(first, fitted_gain=1.0), second]) is second
 
 
 def test_a_superfluous_effect_is_dropped_and_a_needed_one_kept(problem):

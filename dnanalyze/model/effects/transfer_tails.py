@@ -16,12 +16,12 @@ TOWARDS = {"down": (0, 1), "up": (0, -1), "right": (1, 1), "left": (1, -1)}  # a
 
 @dataclass(frozen=True)
 class TransferTails(Effect):
-    """y_n = (1 - l) x_n + l (1 - a) sum over k of a^(k-1) x_(n-k), a = e^(-1/tau)."""
+    """y_n = (1 - l_n) x_n + (1 - a) sum over k of a^(k-1) l_(n-k) x_(n-k), a = e^(-1/tau)."""
 
     name: ClassVar[str] = "transfer_tails"
     stage: ClassVar[Stage] = Stage.COUPLING
     varies: ClassVar[str] = "fixed"
-    placing: ClassVar[Placing] = Placing.ANYWHERE
+    placing: ClassVar[Placing] = Placing.SOMEWHERE
     summary: ClassVar[str] = "tails of deferred charge behind bright pixels of a CCD"
     physics: ClassVar[str] = (
         "In a CCD the charge packets are transferred from pixel to pixel to the output. "
@@ -30,14 +30,16 @@ class TransferTails(Effect):
         "Hot pixels, tracks and sources then have a tail on one side, along the columns "
         "(parallel transfer) or the rows (serial transfer), which fades exponentially. The "
         "shot noise is deferred with the charge, so the temporal noise of neighbours along "
-        "this axis is correlated; read noise is not. The parameter is the mean share over the "
-        "field; its growth with the number of transfers is not modelled. Remedies: a "
+        "this axis is correlated; read noise is not. Charge far from the output takes more "
+        "transfers: its share is proportional to their number (`growth`), unless the charge is "
+        "left behind in the output register or its amplifier. Remedies: a "
         "background of charge that keeps the traps full, slower or faster clocks, annealing, "
         "a correction by the known tail."
     )
     formula: ClassVar[str] = (
-        "y_n = (1 - l) x_n + l (1 - a) (x_(n-1) + a x_(n-2) + ...), a = e^(-1/tau), n in the "
-        "direction of the tail; no charge comes from outside of the field"
+        "y_n = (1 - l_n) x_n + (1 - a) (l_(n-1) x_(n-1) + a l_(n-2) x_(n-2) + ...), "
+        "a = e^(-1/tau), n from 0 to N - 1 in the direction of the tail; l_n = l, or "
+        "2 l (n + 1/2) / N, at most 1; no charge comes from outside of the field"
     )
     references: ClassVar[tuple[str, ...]] = (
         "Janesick, Scientific Charge-Coupled Devices, SPIE Press (2001)",
@@ -61,9 +63,14 @@ class TransferTails(Effect):
         "hot_clusters": "clusters have no preferred direction, and their noise is uncorrelated",
     }
 
-    loss: float = parameter(0.05, "1", 1e-4, 0.6, "share l of a pixel's charge that is deferred")
+    loss: float = parameter(
+        0.05, "1", 1e-4, 0.6, "share l of a pixel's charge that is deferred, mean over the field"
+    )
     tau: float = parameter(1.0, "pixel", 0.1, 12.0, "length of the tail: a = e^(-1/tau)")
     towards: str = choice("down", "side of a pixel on which its tail lies", *TOWARDS)
+    growth: str = choice(
+        "none", "of the share: none, or with the number of transfers", "none", "transfers"
+    )
 
     def margin(self) -> int:
         """Pixels of a tail."""
@@ -73,14 +80,24 @@ class TransferTails(Effect):
     def apply(self, signal: np.ndarray, site: Site) -> np.ndarray:
         """Defer the charge; the sum runs in one order everywhere, so windows agree."""
         loss, tau = (self.value(name, site.point) for name in ("loss", "tau"))
-        weights = deferred(tau, math.ceil(TAIL_LENGTHS * tau)) * loss
         axis, sign = TOWARDS[self.towards]
         # the tail runs along the last axis, from first to last
         source = np.moveaxis(signal, axis, 0)[::sign]
-        moved = np.float32(1.0 - loss) * source
+        lost = self._share(loss, site)[::sign, None] * source
+        moved = source - lost
+        weights = deferred(tau, math.ceil(TAIL_LENGTHS * tau))
         for lag, weight in enumerate(weights[: len(source) - 1], start=1):
-            moved[lag:] += np.float32(weight) * source[:-lag]
+            moved[lag:] += np.float32(weight) * lost[:-lag]
         return np.ascontiguousarray(np.moveaxis(moved[::sign], 0, axis))
+
+    def _share(self, loss: float, site: Site) -> np.ndarray:
+        """Share of the charge of each row, or column, of the window that is deferred."""
+        axis, sign = TOWARDS[self.towards]
+        index = (site.row_index, site.column_index)[axis]
+        count = site.shape[axis]
+        transfers = index + 0.5 if sign > 0 else count - 0.5 - index
+        growing = 2.0 * transfers / count if self.growth == "transfers" else np.ones(index.size)
+        return np.minimum(loss * growing, 1.0).astype(np.float32)
 
 
 def deferred(tau: float, count: int) -> np.ndarray:

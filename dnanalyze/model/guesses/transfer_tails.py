@@ -12,6 +12,7 @@ from dnanalyze.model.effects.transfer_tails import TransferTails
 from dnanalyze.model.guesses.evidence import excess, shows
 
 LENGTHS = (0.4, 1.5, 4.0)  # pixels
+OPPOSITE = {"right": "left", "down": "up"}
 ONE_SIDED = 2.0  # times: correlation along the tail over that across it; equal crosstalk has 1
 
 
@@ -19,7 +20,7 @@ def guess(effect: type[TransferTails], clues: Clues) -> list[Effect]:
     """Correlation of neighbours in time beyond the model's, where it is plain along one axis.
 
     At the noisiest setting, over the share of its variance that comes with charge. The statistics
-    do not tell the tail's side: of either axis one is tried.
+    tell the tail's side only where the share grows along it: of either axis one is tried otherwise.
     """
     along = {"right": "temporal_corr_10", "down": "temporal_corr_01"}
     if not shows(clues, along.values()):
@@ -37,7 +38,8 @@ def guess(effect: type[TransferTails], clues: Clues) -> list[Effect]:
         return []
     share = rho[side] / charge
     return [
-        effect.within(loss=share / (1.0 - math.exp(-1.0 / tau)), tau=tau, towards=side)
+        effect.within(loss=share / (1.0 - math.exp(-1.0 / tau)), tau=tau, towards=to, growth=growth)
+        for to, growth in ((side, "none"), (side, "transfers"), (OPPOSITE[side], "transfers"))
         for tau in LENGTHS
         if share / (1.0 - math.exp(-1.0 / tau)) < 1.0
     ]

@@ -28,6 +28,28 @@ def test_a_bright_line_has_an_exponential_tail_on_one_side(side):
     assert y[at - 1] == pytest.approx(10.0, rel=1e-3)
 
 
+@pytest.mark.parametrize("side", TOWARDS)
+def test_the_share_grows_with_the_number_of_transfers(side):
+    """In proportion, from nothing at the output to twice the mean."""
+    axis = "rows" if side in ("down", "up") else "columns"
+    lines = (4, 28, 52)
+    bright = ScaledLines(0.05, 99.0, axis, lines, (1.0, 1.0, 1.0))
+    y = frames((flat(10.0), bright, TransferTails(0.1, 1.0, side, "transfers")), (64, 64))[0]
+    y = y if axis == "rows" else y.T
+    y = y[:, 20] if side in ("down", "right") else y[::-1, 20]
+    for line in lines:
+        at = line if side in ("down", "right") else 63 - line
+        share = 0.2 * (at + 0.5) / 64
+        assert y[at] == pytest.approx(990 * (1.0 - share) + 10, rel=1e-3)
+        assert y[at + 1] - 10 == pytest.approx(990 * share * (1 - np.exp(-1.0)), rel=0.03, abs=0.1)
+
+
+def test_all_of_the_charge_is_deferred_at_most():
+    bright = ScaledLines(0.02, 99.0, "rows", (62,), (1.0,))
+    y = frames((flat(1.0), bright, TransferTails(0.6, 0.1, "down", "transfers")), (64, 64))[0]
+    assert y.min() >= 0.0
+
+
 def test_no_charge_is_lost_within_the_field():
     assert deferred(1.5, 8).sum() == pytest.approx(1.0)
     chain = (flat(1.0), HotPixels(0.01))
@@ -49,9 +71,10 @@ def test_noise_of_the_charge_is_correlated_along_the_tail_alone():
     )
 
 
+@pytest.mark.parametrize("growth", ["none", "transfers"])
 @pytest.mark.parametrize("side", TOWARDS)
-def test_windows_hold_the_pixels_of_the_whole_frame(side):
-    same_from_a_window((flat(50.0), HotPixels(0.05), TransferTails(0.2, 3.0, side)))
+def test_windows_hold_the_pixels_of_the_whole_frame(side, growth):
+    same_from_a_window((flat(50.0), HotPixels(0.05), TransferTails(0.2, 3.0, side, growth)))
 
 
 def test_offsets_of_the_readout_have_no_tail():
@@ -71,6 +94,7 @@ def test_it_is_guessed_from_correlation_along_one_axis(across, found):
     clues.points = clues.points * 2
     clues.seen["temporal_noise"] = [1.0, 10.0]
     guesses = TransferTails.guess(clues)
-    assert {g.towards for g in guesses} == ({found} if found else set())
-    if found:
+    assert {g.towards for g in guesses if g.growth == "none"} == ({found} if found else set())
+    if found:  # the side of the output is told by a share that grows away from it
+        assert {g.towards for g in guesses if g.growth == "transfers"} == {"down", "up"}
         assert guesses[0].loss == pytest.approx(0.05 / 0.99 / (1 - np.exp(-2.5)), rel=0.01)
