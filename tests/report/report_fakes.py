@@ -219,6 +219,7 @@ def refinement(**more: object) -> Refinement:
         model=model(),
         diagnosis=diagnosis("adequate"),
         problem=None,
+        state=None,
         undetermined=[],
         direct=[],
         level=None,
