@@ -23,10 +23,10 @@ from dnanalyze.model.strength import at_factor
 from dnanalyze.progress import ignored
 
 LONGEST = 3.0  # times a change; farther the statistics do not follow in proportion
-# Times the change of an effect that has no strength, a filter: it acts or it does not. Less of it
-# has other parameters, and of half a change those of a form (`forms`). Denoising and a correction
-# of defect pixels that no frame of real cameras shows promised the most at 0.006 to 0.06 of their
-# changes, and took two of four refits in every round of the search.
+# Least share of the change of an effect without a strength, such as a filter: it acts or it does
+# not. Where a filter acts less it has other parameters, and half a strength is a form (`forms`). On
+# real cameras without a filter, denoising and defect correction promised most at 0.006 to 0.06 of
+# their changes, and took two of four refits in every round of the search.
 LEAST_OF_FILTERS = 0.5
 
 

@@ -94,8 +94,8 @@ def choose(
 def supported(null: FittedModel, tried: Sequence[Trial]) -> Trial | None:
     """The first of the trials whose evidence is enough.
 
-    One that explains the same statistics as another before it, which has not enough, is none: it
-    may be in the place of that. What shows on one half alone is no such other.
+    A trial is passed over where one before it explains the same statistics without evidence enough:
+    it may stand in for that one. Trials that gain on one half alone do not count there.
     """
     before: list[Trial] = []
     for found in tried:
