@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -40,10 +39,9 @@ class CoarseFrames:
         pairs = zip(self.frames, self.chance, strict=True)
         return np.concatenate([f / math.sqrt(c) for f, c in pairs])
 
-    @cached_property
-    def of_levels(self) -> float:
-        """Twice the gain of the log likelihood by a level of each frame."""
-        return float(GRID**2 * np.sum(self.white.mean(axis=(1, 2)) ** 2))
+    def beyond_levels(self, gain: float) -> float:
+        """Gain of a spot beyond that of a level of each frame: a step of all pixels is no spot."""
+        return max(gain - float(GRID**2 * np.sum(self.white.mean(axis=(1, 2)) ** 2)), 0.0)
 
     def along(self, pattern: np.ndarray) -> tuple[list[np.ndarray], list[float]]:
         """Size of a pattern (GRID, GRID) in every frame, and its variance by chance."""
@@ -140,12 +138,7 @@ def _standing_spot(
         effect = CompositeEffect(when="switching", distribution="on_off", tau=tau, **words)
     else:
         effect = CompositeEffect(when="persisting", tau=AT_ONCE, **words)
-    return Estimate(effect, errors, _beyond_levels(frames, gain), price, sizes)
-
-
-def _beyond_levels(frames: CoarseFrames, gain: float) -> float:
-    """What a spot explains beyond a level of each frame: a step of all pixels is no spot."""
-    return max(gain - frames.of_levels, 0.0)
+    return Estimate(effect, errors, frames.beyond_levels(gain), price, sizes)
 
 
 def _two_groups(series: list[np.ndarray], chance: list[float]) -> bool:
@@ -210,7 +203,7 @@ def _moving_spot(seen: Layers, frames: CoarseFrames) -> Estimate:
     # a place and a height a frame; dark spots are no effect
     price = 3 * gains.shape[1] * math.log(GRID**2) if np.sum(values) > 0 else math.inf
     sizes = Sizes(np.array(values), np.maximum(errors, 1e-9))
-    return Estimate(effect, {"radius": radius * error}, _beyond_levels(frames, gain), price, sizes)
+    return Estimate(effect, {"radius": radius * error}, frames.beyond_levels(gain), price, sizes)
 
 
 def _without_blocks(radius: float) -> tuple[float, float]:

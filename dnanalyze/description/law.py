@@ -29,7 +29,8 @@ def with_law(found: Estimate, seen: Layers, reference: OperatingPoint) -> Estima
     """The estimate with the law that its sizes follow over the operating points.
 
     A constant, a share of the dark signal, or an Arrhenius law of its own: the least chi square
-    plus `SURE` for a second number.
+    plus `SURE` for a second number. Standard errors hold the scatter of the sizes about the law
+    (Birge ratio).
     """
     values, errors = found.sizes.values, np.maximum(found.sizes.errors, 1e-12)
     power = 2.0 if found.sizes.squares else 1.0
@@ -42,8 +43,12 @@ def with_law(found: Estimate, seen: Layers, reference: OperatingPoint) -> Estima
         shape = growth**power
         total = max(float(np.sum(weight * shape**2)), 1e-300)
         size = float(np.sum(weight * shape * values)) / total
-        chi = float(np.sum(apart * (values - size * shape) ** 2))
-        return size, 1.0 / math.sqrt(total), chi
+        off = (values - size * shape) ** 2
+        return size, birge(off, 1) / math.sqrt(total), float(np.sum(apart * off))
+
+    def birge(off: np.ndarray, numbers: int) -> float:
+        """By which sizes scatter about a law of so many numbers beyond their errors."""
+        return math.sqrt(max(1.0, float(np.sum(weight * off)) / max(off.size - numbers, 1)))
 
     def take(size: float, error: float, chi: float, own: dict[str, float], **words: object) -> None:
         if size <= 0:
@@ -78,9 +83,17 @@ def with_law(found: Estimate, seen: Layers, reference: OperatingPoint) -> Estima
         slope = (growth(energy + 1e-4) ** power - growth(energy) ** power) / 1e-4
         slopes = np.stack([growth(energy) ** power, size * slope])
         variance = np.diag(np.linalg.pinv((slopes * weight) @ slopes.T))
-        error, of_energy = map(math.sqrt, np.maximum(variance, 0.0))
+        beyond = birge((values - size * growth(energy) ** power) ** 2, 2)
+        error, of_energy = (beyond * math.sqrt(v) for v in np.maximum(variance, 0.0))
         take(size, error, chi, {"ea_ev": of_energy}, law="thermal", ea_ev=energy)
     return min(laws, key=lambda x: x[0])[1] if laws else replace(found, explained=0.0)
+
+
+def follows(found: Estimate) -> bool:
+    """Whether the amplitude is the same at all operating points, but for what may shift it."""
+    sizes, errors = found.sizes.amplitudes
+    off = (sizes - found.effect.amplitude) / np.hypot(errors, LAW_SCATTER * sizes)
+    return float(np.sum(off**2)) <= float(chi2.isf(UNLIKELY, max(off.size - 1, 1)))
 
 
 def grown(points: Sequence[OperatingPoint], reference: OperatingPoint, ea_ev: float) -> np.ndarray:

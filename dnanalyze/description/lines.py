@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from dnanalyze.description.found import Estimate, Sizes, distribution, random_sizes
-from dnanalyze.description.layers import Layers
+from dnanalyze.description.layers import Layers, robust
 from dnanalyze.model.composite.effect import CompositeEffect
 from dnanalyze.model.effects.quantization import ROUNDING_VARIANCE
-from dnanalyze.robust import core_deviation, robust_deviation
+from dnanalyze.robust import robust_deviation
 from dnanalyze.significance import CLEAR, STATED
 
 LINES = (("row", 1), ("column", 0))  # and the axis along them
@@ -156,5 +156,5 @@ def _falls_on_the_next(seen: Layers) -> bool:
     """Whether rows behind hot pixels are brighter than those before, at the warmest point."""
     mean = seen.taken[int(np.argmax(seen.dark))].mean
     rest = mean - np.median(mean)
-    hot = rest[1:-1] > STATED * core_deviation(rest)
+    hot = rest[1:-1] > STATED * robust(rest)
     return bool(np.sum((rest[2:] - rest[:-2])[hot]) > 0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from dnanalyze.description.found import Estimate
-from dnanalyze.description.law import apparent_energy
+from dnanalyze.description.law import apparent_energy, follows
 from dnanalyze.description.layers import Layers
 from dnanalyze.digits import number, with_error
 from dnanalyze.loaders.captures import OperatingPoint
@@ -174,4 +174,11 @@ def _law(found: Estimate, seen: Layers) -> str:
         ("exposure", [p.exposure_s for p in seen.points]),
         ("gain", [p.gain for p in seen.points]),
     ) if len(set(values)) > 1]  # fmt: skip
-    return f"the same at every {' and '.join(varied) or 'operating point'}"
+    varied = varied or ["operating point"]
+    if e.what == "gain" or follows(found):
+        return f"the same at every {' and '.join(varied)}"
+    sizes, errors = found.sizes.amplitudes
+    shown = sizes[sizes > errors]
+    return (
+        f"{number(shown.min(), 2)} to {number(shown.max(), 2)} DN over the {'s and '.join(varied)}s"
+    )

@@ -27,7 +27,7 @@ LONGEST = 3.0  # times a change; farther the statistics do not follow in proport
 # not. Where a filter acts less it has other parameters, and half a strength is a form (`forms`). On
 # real cameras without a filter, denoising and defect correction promised most at 0.006 to 0.06 of
 # their changes, and took two of four refits in every round of the search.
-LEAST_OF_FILTERS = 0.5
+SHORTEST = 0.5
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class _View:
         found = []
         for guess, model, seen in made:
             if seen:
-                shortest = 0.0 if at_factor(guess, 0.5) else LEAST_OF_FILTERS
+                shortest = 0.0 if at_factor(guess, 0.5) else SHORTEST
                 promise = self.nuisance_loss - along(self.state, next(shifts), shortest).loss
             else:  # the fitted half has none of it
                 unseen, weight = self.problem.held_out_z(model), self.problem.test.weight

@@ -27,13 +27,11 @@ def at_factor(effect: Effect, factor: float) -> Effect | None:
     """
     name = strength_of(type(effect))
     known, unused = effect.parameters(), effect.inactive_parameters()
-    terms = [n for n, i in known.items() if i.scale in ("linear", "signed") and i.unit == "DN"]
+    linear = [n for n, i in known.items() if i.scale in ("linear", "signed") and i.unit == "DN"]
     changed = {}
-    for term in [name] if name else terms:
-        if term in unused:
-            continue
+    for term in [name] if name else linear:
         value = getattr(effect, term)
-        if isinstance(value, (int, float)):
+        if term not in unused and isinstance(value, (int, float)):
             changed[term] = bounded(type(effect), term, factor * value)
     other = replace(effect, **changed)
     return None if other == effect else other

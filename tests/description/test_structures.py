@@ -175,6 +175,24 @@ def test_one_operating_point_and_one_frame_are_enough_for_a_fixed_wave():
     assert "at the only operating point" in sentence(found, seen)
 
 
+def test_a_size_that_follows_no_law_has_the_scatter_of_the_points_as_its_error():
+    """The Birge ratio; the sentence does not say that the size is the same everywhere."""
+    sizes, two = (1.3, 0.8), {"points": POINTS[:2], "dark": DARK[:2]}
+    pattern = math.sqrt(2) * np.cos(2 * math.pi * (0.11 * COLUMN))
+    seen = made(lambda n, f, rng: sizes[n] * pattern, **two)
+    found = best(seen)
+    assert found.effect.where == "wave"
+    weight = found.sizes.errors**-2.0
+    mean = np.average(found.sizes.values, weights=weight)
+    assert found.sizes.values == pytest.approx(sizes, rel=0.05)
+    assert found.effect.amplitude == pytest.approx(mean)
+    variance = np.average((found.sizes.values - mean) ** 2, weights=weight)  # of two sizes
+    assert found.errors["amplitude"] == pytest.approx(np.sqrt(variance))
+    assert "0.8 to 1.3 DN over the temperatures" in sentence(found, seen)
+    steady = best(made(lambda n, f, rng: pattern, **two))
+    assert "the same at every temperature" in sentence(steady, seen)
+
+
 def test_the_size_of_a_wave_in_frames_of_few_codes():
     """Half of the pixels of a single frame have the same code."""
     pattern = 0.2 * math.sqrt(2) * np.cos(2 * math.pi * (0.11 * ROW))

@@ -81,7 +81,7 @@ class TransferTails(Effect):
         """Defer the charge; the sum runs in one order everywhere, so windows agree."""
         loss, tau = (self.value(name, site.point) for name in ("loss", "tau"))
         axis, sign = TOWARDS[self.towards]
-        # the tail runs along the last axis, from first to last
+        # the tail runs along the first axis, from first to last
         source = np.moveaxis(signal, axis, 0)[::sign]
         lost = self._share(loss, site)[::sign, None] * source
         moved = source - lost
